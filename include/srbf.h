@@ -264,6 +264,20 @@ typedef struct srbf_vectors {
     size_t stride;
 } srbf_vectors;
 
+/// The map of a material from its colours to spectra.
+typedef struct srbf_spectrum {
+    /// Number of wavelengths that it has; 0 for a material without one, whose spectra are fixed smooth ones.
+    size_t wavelengths;
+    /// The first wavelength in nm; 0 without a map.
+    float first;
+    /// The last wavelength in nm; 0 without a map.
+    float last;
+    /// Relative L2 distance of the measured spectra from those of their colours; 0 without a map.
+    float error;
+    /// 1 if the spectrum is that of a luminance, as of one wavelength; else 0.
+    uint32_t is_grey;
+} srbf_spectrum;
+
 /// A direction drawn from a mixture.
 typedef struct srbf_sample {
     /// Incident direction, unit vector in the caller's shading frame.
@@ -729,6 +743,27 @@ srbf_status srbf_material_factor(const struct srbf_material *material,
 srbf_status srbf_material_view_albedo_difference(const struct srbf_material *material,
                                                  size_t view,
                                                  float *difference);
+
+/// Says which spectra the colours of a material have.
+srbf_status srbf_material_spectrum(const struct srbf_material *material, struct srbf_spectrum *spectrum);
+
+/// Gives the columns of a material at some wavelengths, once for a path; `srbf_primaries_of` takes a colour to values by them.
+///
+/// Between the material's wavelengths columns are linear, beyond them constant. A material without a map has the smooth primaries of
+/// sRGB, which are 1 together. Densities and draws are those of the colours.
+/// Shapes: `wavelengths` [count], nm; `primaries` [count][3], overwritten, not where the wavelengths are.
+srbf_status srbf_material_primaries(const struct srbf_material *material,
+                                    const float *wavelengths,
+                                    size_t count,
+                                    float *primaries);
+
+/// Gives the values of a colour at the wavelengths of primaries: of a value, a weight or an albedo. None is below 0.
+///
+/// Shapes: `primaries` [count][3]; `rgb` [3]; `values` [count], overwritten, not where the primaries are.
+srbf_status srbf_primaries_of(const float *primaries,
+                              size_t count,
+                              const float *rgb,
+                              float *values);
 
 #if defined(SRBF_HOSTED)
 /// Makes a material of `.srbf` bytes, which are copied. Release it with `srbf_material_free`.

@@ -285,6 +285,17 @@ private:
     srbf_environment *environment_ = nullptr;
 };
 
+/// The columns of a material at N wavelengths, three numbers each, which take its colours to values there.
+template <std::size_t N>
+struct Primaries {
+    std::array<float, 3 * N> columns{};
+
+    /// The values of a colour; none is below 0.
+    Status of(const Vec3 &rgb, std::array<float, N> &values) const {
+        return srbf_primaries_of(columns.data(), N, rgb.data(), values.data());
+    }
+};
+
 #if defined(SRBF_HOSTED)
 /// A material, which it owns. Move-only; an empty one answers every call with SRBF_STATUS_NULL.
 class Material {
@@ -322,6 +333,13 @@ public:
     /// What values are multiplied by for a pair of directions; 1 without factors.
     Status factor(const Vec3 &wo, const Vec3 &wi, Vec3 &factor) const {
         return srbf_material_factor(material_, wo.data(), wi.data(), factor.data());
+    }
+    /// Which spectra its colours have.
+    Status spectrum(srbf_spectrum &spectrum) const { return srbf_material_spectrum(material_, &spectrum); }
+    /// The columns at some wavelengths in nm, once for a path.
+    template <std::size_t N>
+    Status primaries(const std::array<float, N> &wavelengths, Primaries<N> &primaries) const {
+        return srbf_material_primaries(material_, wavelengths.data(), N, primaries.columns.data());
     }
     /// One hit, without a mixture.
     Status evaluate(const Vec3 &wo, const Vec3 &wi, Vec3 &value) const {

@@ -142,6 +142,15 @@ SRBF_FN float srbf_float(const uint32_t *data, int i) { return srbf_bits(data[i]
 // A number from 0 on as a place up to `most`. Where a compiler forgets that there are NaN, whatever it makes of one is a place too.
 SRBF_FN int srbf_index(float x, int most) { return srbf_clamp(int(x), 0, most); }
 
+// Words before the content of a block of a file of version 3, by its tag; 0 without one. A block is tag, bytes, content; behind the last one
+// the checksum is the last word.
+SRBF_FN int srbf_block(const uint32_t *data, int tag) {
+    int end = srbf_int(data, 4) / 4 - 1;
+    int at = (srbf_int(data, 2) == 3 ? 10 : end);
+    while (at < end && srbf_int(data, at) != tag) { at += 2 + (srbf_int(data, at + 1) + 3) / 4; }
+    return (at < end ? at + 2 : 0);
+}
+
 SRBF_FN SrbfMaterial srbf_material(const uint32_t *data) {
     SrbfMaterial m;
     bool is_line = srbf_int(data, 3) == 0;
@@ -168,16 +177,13 @@ SRBF_FN SrbfMaterial srbf_material(const uint32_t *data) {
     m.azimuth_nodes = 1;
     m.has_sign = false;
     if (!is_old) {
-        // Blocks follow the lobes: tag, bytes, content. Their end is the checksum, the last word.
-        int end = srbf_int(data, 4) / 4 - 1;
-        int at = m.differences;
-        while (at < end && srbf_int(data, at) != 1413693766) { at += 2 + (srbf_int(data, at + 1) + 3) / 4; }
-        int nodes = (at < end ? srbf_int(data, at + 2) : 0);
+        int at = srbf_block(data, 1413693766);
+        int nodes = (at > 0 ? srbf_int(data, at) : 0);
         m.half_nodes = nodes & 255;
         m.difference_nodes = (nodes >> 8) & 255;
         m.azimuth_nodes = (nodes >> 16) & 255;
         m.has_sign = (nodes >> 24) == 1;
-        m.differences = at + 3;
+        m.differences = at + 1;
         m.node_bits = 8;
         if (m.half_nodes > 0) { m.node_unit = srbf_sqrt(srbf_float(data, m.differences + 3 * m.views)) / 255.0f; }
     }
@@ -415,6 +421,60 @@ SRBF_FN vec3 srbf_factor(const SrbfMaterial &m, vec3 wo, vec3 wi) {
     return srbf_plane(m, k * size, a, b) * (1.0f - z) + srbf_plane(m, (k + 1) * size, a, b) * z;
 }
 
+// Half a word, of those from the first on.
+SRBF_FN int srbf_half(const uint32_t *data, int i) {
+    uint32_t shift = uint32_t(16 * (i & 1));
+    return int((data[i / 2] >> shift) & 65535u);
+}
+
+// The numbers of one wavelength of the block of spectra whose content is at a word.
+SRBF_FN vec3 srbf_column(const uint32_t *data, int at, int n) {
+    int head = srbf_int(data, at);
+    bool is_grey = (head & 255) == 1;
+    bool is_short = ((head >> 8) & 255) == 8;
+    int scale = 2 * (at + 2) + (head >> 16);
+    float low = srbf_bits(uint32_t(srbf_half(data, scale)) << 16u);
+    float unit = srbf_bits(uint32_t(srbf_half(data, scale + 1)) << 16u);
+    vec3 q = vec3(0.0f, 0.0f, 0.0f);
+    for (int c = 0; c < 3; c++) {
+        int place = (is_grey ? n : 3 * n + c);
+        int code = srbf_half(data, scale + 2 + (is_short ? place / 2 : place));
+        if (is_short) { code = ((place & 1) == 1 ? code >> 8 : code & 255); }
+        float number = low + float(code) * unit;
+        if (c == 0) { q.x = number; }
+        if (c == 1) { q.y = number; }
+        if (c == 2) { q.z = number; }
+    }
+    return (is_grey ? q * vec3(0.2126f, 0.7152f, 0.0722f) : q);
+}
+
+// From 0 to 1 over 20 nm.
+SRBF_FN float srbf_ramp(float nm, float start) { return srbf_clamp((nm - start) * 0.05f, 0.0f, 1.0f); }
+
+// What takes colours of the material to values at a wavelength in nm, once for a path: max(dot(srbf_primary(m, nm), value), 0). Densities and
+// draws are those of the colours. Without a map in the file these are smooth primaries of sRGB, which are 1 together.
+SRBF_FN vec3 srbf_primary(const SrbfMaterial &m, float nm) {
+    int at = srbf_block(m.data, 1667592307);
+    if (at == 0) {
+        float red = 1519.0f - 76.0f * srbf_ramp(nm, 400.0f) - 584.0f * srbf_ramp(nm, 420.0f) - 450.0f * srbf_ramp(nm, 440.0f) - 409.0f * srbf_ramp(nm, 460.0f);
+        red += 5064.0f * srbf_ramp(nm, 560.0f) + 20374.0f * srbf_ramp(nm, 580.0f) + 7330.0f * srbf_ramp(nm, 600.0f);
+        float green = 9313.0f * srbf_ramp(nm, 460.0f) + 14394.0f * srbf_ramp(nm, 480.0f) + 9061.0f * srbf_ramp(nm, 500.0f);
+        green = green - 7485.0f * srbf_ramp(nm, 560.0f) - 17953.0f * srbf_ramp(nm, 580.0f) - 7330.0f * srbf_ramp(nm, 600.0f);
+        return vec3(red, green, 32768.0f - red - green) * (1.0f / 32768.0f);
+    }
+    int low = 0;
+    int high = (srbf_int(m.data, at) >> 16) - 1;
+    int first = 2 * (at + 2);
+    while (low + 1 < high) {
+        int middle = (low + high) / 2;
+        if (float(srbf_half(m.data, first + middle)) <= nm * 10.0f) { low = middle; } else { high = middle; }
+    }
+    float before = float(srbf_half(m.data, first + low));
+    float after = float(srbf_half(m.data, first + high));
+    float t = (nm * 10.0f > before ? srbf_min((nm * 10.0f - before) / srbf_max(after - before, 0.5f), 1.0f) : 0.0f);
+    return srbf_column(m.data, at, low) * (1.0f - t) + srbf_column(m.data, at, high) * t;
+}
+
 // f cos for an incident direction, and the density of srbf_sample there.
 SRBF_FN SrbfValue srbf_evaluate(const SrbfMaterial &m, const SrbfView &v, vec3 wi) {
     SrbfValue r;
@@ -555,18 +615,33 @@ inline int srbf_check(const uint32_t *words, size_t count) {
     }
     if (wrong != 0) { return wrong; }
     if (words[2] == 3u) {
-        const uint32_t lobe = 0x45424f4cu, factors = 0x54434146u;
+        const uint32_t lobe = 0x45424f4cu, factors = 0x54434146u, spectra = 0x63657073u;
         if (words[10] != lobe || words[11] != 4 * (end_of_lobes - 12)) { return 11; }
-        size_t at = end_of_lobes;
-        while (at + 1 < end_of_all) {
+        bool has_factors = false;
+        for (size_t at = end_of_lobes; at + 1 < end_of_all;) {
             // A block that this text does not know and may not leave out begins with a capital letter.
             if (words[at] != factors && (words[at] & 32u) == 0u) { return int(at) + 1; }
-            if (size_t(words[at + 1]) > 4 * (end_of_all - at)) { return int(at) + 2; }
-            if (words[at] == factors) { break; }
-            at += 2 + (size_t(words[at + 1]) + 3) / 4;
+            const size_t length = words[at + 1], next = at + 2 + (length + 3) / 4;
+            if (length > 4 * (end_of_all - at) || next >= end_of_all) { return int(at) + 2; }
+            if (words[at] == factors && (has_factors || length < 4)) { return int(at) + 1; }
+            has_factors = has_factors || words[at] == factors;
+            if (words[at] == spectra) {
+                // As long as its head says, the numbers of its columns in range.
+                if (length < 8) { return int(at) + 2; }
+                const size_t kind = words[at + 2] & 255u, bits = (words[at + 2] >> 8) & 255u, count = words[at + 2] >> 16;
+                if (kind > 1 || (bits != 8 && bits != 16) || count < 1 || count > 1024) { return int(at) + 3; }
+                if (length != 12 + count * (2 + (kind == 0 ? 3 : 1) * bits / 8)) { return int(at) + 3; }
+                auto half = [&](size_t i) { return (words[at + 4 + i / 2] >> (16 * (i % 2))) & 65535u; };
+                for (size_t i = 0; i < count; i++) { expect(half(i) > (i == 0 ? 0u : half(i - 1)), at + 4 + i / 2); }
+                const uint32_t low = half(count) << 16, unit = half(count + 1) << 16;
+                const float least = srbf_bits(low), most = least + srbf_bits(unit) * (bits == 8 ? 255.0f : 65535.0f);
+                expect((low & 0x7f800000u) != 0x7f800000u && unit < 0x7f800000u, at + 4 + count / 2);
+                expect(least >= -1e6f && least <= 1e6f && most <= 1e6f, at + 4 + count / 2);
+            }
+            at = next;
         }
-        if (at + 1 >= end_of_all) { return 0; }
-        if (at + 3 >= end_of_all) { return int(at) + 1; }
+        if (wrong != 0) { return wrong; }
+        if (!has_factors) { return 0; }
     }
     SrbfMaterial m = srbf_material(words);
     if (m.half_nodes == 0) { return words[2] == 2u && words[11] == 0u ? 0 : 12; }

@@ -40,6 +40,7 @@ mod reflect;
 mod request;
 mod simd;
 mod single;
+mod spectrum;
 mod status;
 mod storage;
 mod streams;
@@ -67,6 +68,7 @@ pub use reflect::*;
 pub use request::*;
 pub use simd::*;
 pub use single::*;
+pub use spectrum::*;
 pub use status::*;
 pub use storage::{
     SRBF_MIXTURE_ALIGNMENT, SRBF_MIXTURE_SIZE_16, SRBF_MIXTURE_SIZE_32, SRBF_MIXTURE_SIZE_64, srbf_mixture,

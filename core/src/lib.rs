@@ -134,6 +134,7 @@ pub use material::file::{FileError, read_file};
 pub use material::format_error::{FORMAT_VERSION, FormatError};
 pub use material::layout::MAX_LOBES;
 pub use material::pack::PackOptions;
+pub use material::spectral_map::{MAX_WAVELENGTHS, Primaries, SpectralColumns, SpectralMap};
 pub use material::views::{Grid, GridView, Line, PlaneLobe, TiltedLobe, View};
 pub use mixture::leave_out::LeaveOut;
 pub use mixture::rows::{AnyMixture, Domain, Groups, Mixture, Room, Sample};

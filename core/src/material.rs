@@ -15,5 +15,6 @@ pub(crate) mod file;
 pub(crate) mod format_error;
 pub(crate) mod layout;
 pub(crate) mod pack;
+pub(crate) mod spectral_map;
 mod validate;
 pub(crate) mod views;

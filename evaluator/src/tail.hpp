@@ -67,18 +67,33 @@ inline int srbf_check(const uint32_t *words, size_t count) {
     }
     if (wrong != 0) { return wrong; }
     if (words[2] == 3u) {
-        const uint32_t lobe = 0x45424f4cu, factors = 0x54434146u;
+        const uint32_t lobe = 0x45424f4cu, factors = 0x54434146u, spectra = 0x63657073u;
         if (words[10] != lobe || words[11] != 4 * (end_of_lobes - 12)) { return 11; }
-        size_t at = end_of_lobes;
-        while (at + 1 < end_of_all) {
+        bool has_factors = false;
+        for (size_t at = end_of_lobes; at + 1 < end_of_all;) {
             // A block that this text does not know and may not leave out begins with a capital letter.
             if (words[at] != factors && (words[at] & 32u) == 0u) { return int(at) + 1; }
-            if (size_t(words[at + 1]) > 4 * (end_of_all - at)) { return int(at) + 2; }
-            if (words[at] == factors) { break; }
-            at += 2 + (size_t(words[at + 1]) + 3) / 4;
+            const size_t length = words[at + 1], next = at + 2 + (length + 3) / 4;
+            if (length > 4 * (end_of_all - at) || next >= end_of_all) { return int(at) + 2; }
+            if (words[at] == factors && (has_factors || length < 4)) { return int(at) + 1; }
+            has_factors = has_factors || words[at] == factors;
+            if (words[at] == spectra) {
+                // As long as its head says, the numbers of its columns in range.
+                if (length < 8) { return int(at) + 2; }
+                const size_t kind = words[at + 2] & 255u, bits = (words[at + 2] >> 8) & 255u, count = words[at + 2] >> 16;
+                if (kind > 1 || (bits != 8 && bits != 16) || count < 1 || count > 1024) { return int(at) + 3; }
+                if (length != 12 + count * (2 + (kind == 0 ? 3 : 1) * bits / 8)) { return int(at) + 3; }
+                auto half = [&](size_t i) { return (words[at + 4 + i / 2] >> (16 * (i % 2))) & 65535u; };
+                for (size_t i = 0; i < count; i++) { expect(half(i) > (i == 0 ? 0u : half(i - 1)), at + 4 + i / 2); }
+                const uint32_t low = half(count) << 16, unit = half(count + 1) << 16;
+                const float least = srbf_bits(low), most = least + srbf_bits(unit) * (bits == 8 ? 255.0f : 65535.0f);
+                expect((low & 0x7f800000u) != 0x7f800000u && unit < 0x7f800000u, at + 4 + count / 2);
+                expect(least >= -1e6f && least <= 1e6f && most <= 1e6f, at + 4 + count / 2);
+            }
+            at = next;
         }
-        if (at + 1 >= end_of_all) { return 0; }
-        if (at + 3 >= end_of_all) { return int(at) + 1; }
+        if (wrong != 0) { return wrong; }
+        if (!has_factors) { return 0; }
     }
     SrbfMaterial m = srbf_material(words);
     if (m.half_nodes == 0) { return words[2] == 2u && words[11] == 0u ? 0 : 12; }

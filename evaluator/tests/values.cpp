@@ -1,6 +1,6 @@
 // Evaluates and draws by the text alone. From standard input, again and again until it ends: a number of bytes, the bytes of a .srbf file, a
 // number n, and nine rows of n f32 as evaluator/examples/reference.rs has them. To standard output: the answer of `srbf_check`, and, if that
-// is 0, the rows of that program and the power of the mixture as one more.
+// is 0, the rows of that program the power of the mixture, and the primary at 300 + 700 u nm, u the first uniform number.
 #include "text"
 #include <stdio.h>
 #include <vector>
@@ -19,7 +19,7 @@ int main() {
         std::vector<uint32_t> words((bytes + 3) / 4);
         if (!read(words.data(), bytes) || !read(&count, 4)) { return 2; }
         const size_t n = count;
-        std::vector<float> in(9 * n), out(15 * n);
+        std::vector<float> in(9 * n), out(18 * n);
         if (!read(in.data(), 4 * in.size())) { return 2; }
         const int wrong = srbf_check(words.data(), words.size());
         fwrite(&wrong, 4, 1, stdout);
@@ -30,10 +30,10 @@ int main() {
                 SrbfView v = srbf_prepare(m, vector(0));
                 SrbfValue f = srbf_evaluate(m, v, vector(3));
                 SrbfSample s = srbf_sample(m, v, vector(6));
-                vec3 albedo = srbf_albedo(m, v);
-                const float numbers[15] = {f.value.x,  f.value.y,  f.value.z,  f.pdf,    s.wi.x,   s.wi.y,   s.wi.z, s.pdf,
-                                           s.weight.x, s.weight.y, s.weight.z, albedo.x, albedo.y, albedo.z, v.power};
-                for (size_t row = 0; row < 15; row++) { out[row * n + i] = numbers[row]; }
+                vec3 albedo = srbf_albedo(m, v), primary = srbf_primary(m, 300 + 700 * in[6 * n + i]);
+                const float numbers[18] = {f.value.x,  f.value.y,  f.value.z,  f.pdf,    s.wi.x,   s.wi.y,   s.wi.z, s.pdf,
+                                           s.weight.x, s.weight.y, s.weight.z, albedo.x, albedo.y, albedo.z, v.power, primary.x, primary.y, primary.z};
+                for (size_t row = 0; row < 18; row++) { out[row * n + i] = numbers[row]; }
             }
             fwrite(out.data(), 4, out.size(), stdout);
         }

@@ -4,7 +4,7 @@
 use srbf_core::Material;
 use srbf_fit::judge::reciprocity::reciprocity;
 use srbf_fit::judge::verdict::Verdict;
-use srbf_fit::{Settings, fit_content, read, write_atomically};
+use srbf_fit::{Settings, fit_source, read, write_atomically};
 use std::path::Path;
 
 fn main() -> Result<(), Box<dyn std::error::Error>> {
@@ -12,7 +12,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     let file = arguments.next().unwrap_or_else(|| "model:lambert:albedo=0.6/0.3/0.1".into());
     let source = read::read(Path::new(&file))?;
     let settings = Settings { lobes: 2, ..Settings::default() };
-    let fit = fit_content(&source.content, &settings, |_| {})?;
+    let fit = fit_source(&source, &settings, |_| {})?;
     let material = Material::from_bytes(fit.bytes.as_slice())?;
     for line in Verdict::of_material(&fit.report, &reciprocity(&material)?).lines() {
         println!("{line}");

@@ -8,8 +8,9 @@ use crate::fewest_lobes::fewest_lobes;
 use crate::isotropic;
 use crate::judge::method::{Fitted, Method};
 use crate::judge::report::Fit;
-use crate::read::Content;
-use crate::read::check_memory;
+use crate::judge::spectral::{SpectralReport, with_map};
+use crate::look::Look;
+use crate::read::{Content, Source, check_memory};
 use crate::table::{Brdf, Symmetry, Table};
 use crate::{FitError, Settings};
 use srbf_core::Material;
@@ -46,6 +47,27 @@ pub fn fit_content(
             with_lobes(settings, progress, |settings, progress| fit_brdf(brdf.as_ref(), settings, progress))
         }
     }
+}
+
+/// [`fit_content`] of a measurement that was read, with what is known of its samples beyond their colours: findings about them, and the
+/// map from colours to spectra, which the material keeps.
+///
+/// # Errors
+/// As [`fit_content`].
+pub fn fit_source(
+    source: &Source,
+    settings: &Settings,
+    progress: impl FnMut(f64) + Send,
+) -> Result<Fit, FitError> {
+    let mut fit = fit_content(&source.content, settings, progress)?;
+    let Some(intake) = &source.intake else { return Ok(fit) };
+    fit.report.look = Some(Look::new(intake, fit.report.completion.as_ref()));
+    if let Some(spectra) = &intake.spectra {
+        fit.bytes = with_map(&fit.bytes, &spectra.to_map()?)?;
+        let material = Material::from_bytes(fit.bytes.as_slice())?;
+        fit.report.spectra = Some(SpectralReport::new(spectra, intake, &material)?);
+    }
+    Ok(fit)
 }
 
 /// Fits lobes to the samples of a table; as [`fit_content`].

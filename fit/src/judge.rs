@@ -14,4 +14,5 @@ pub mod norm;
 pub mod reciprocity;
 pub mod report;
 mod report_json;
+pub mod spectral;
 pub mod verdict;

@@ -13,7 +13,7 @@ mod numeric;
 pub mod pack;
 mod settings;
 
-pub use fit::{Tracked, fit, fit_content};
+pub use fit::{Tracked, fit, fit_content, fit_source};
 pub use judge::fitted_material::view_angles;
 pub use judge::report::Fit;
 #[doc(hidden)]

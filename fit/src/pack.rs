@@ -11,6 +11,7 @@ mod forms;
 pub use forms::{PackedForm, forms};
 
 use crate::judge::report::{ViewReport, mean_error};
+use crate::judge::spectral::with_map;
 use crate::read::Content;
 use crate::table::{Table, evaluation_views};
 use crate::{FactorNodes, FitError, Settings, fit_content};
@@ -100,7 +101,7 @@ impl<'a> Subject<'a> {
         fits_again: bool,
         progress: impl FnMut(f64) + Send,
     ) -> Result<Packed, FitError> {
-        let cut = cut::cut(&self.whole, form)?;
+        let cut = self.with_spectra(cut::cut(&self.whole, form)?)?;
         let bytes = packed(&cut, form.pack, &settings.provenance)?;
         let cut_off = Packed { error: self.error(&bytes)?, bytes, way: Way::Cut };
         if !fits_again || PackedForm::of(&self.whole, form.pack) == *form {
@@ -122,9 +123,18 @@ impl<'a> Subject<'a> {
             ..settings.clone()
         };
         let fitted = Material::from_bytes(fit_content(self.content, &few, progress)?.bytes)?;
+        let fitted = self.with_spectra(fitted)?;
         let bytes = packed(&fitted, form.pack, &settings.provenance)?;
         let again = Packed { error: self.error(&bytes)?, bytes, way: Way::FittedAgain };
         Ok(if again.error < cut_off.error { again } else { cut_off })
+    }
+}
+
+impl Subject<'_> {
+    /// A material with the spectra of the whole.
+    fn with_spectra(&self, material: Material<Vec<u8>>) -> Result<Material<Vec<u8>>, FitError> {
+        let Some(map) = self.whole.spectral_map() else { return Ok(material) };
+        Ok(Material::from_bytes(with_map(material.bytes(), map.bytes())?)?)
     }
 }
 

@@ -4,6 +4,7 @@
 
 pub mod alta;
 pub mod astm;
+mod chosen;
 mod conventions;
 pub mod cornell;
 pub mod csv;
@@ -12,6 +13,7 @@ mod filled;
 mod format;
 pub mod fred;
 mod gzip;
+pub mod illuminants;
 pub(crate) mod intake;
 pub mod merl;
 pub mod neural;
@@ -47,10 +49,11 @@ use std::path::Path;
 
 pub use crate::file::{check_memory, read_at_most, read_if};
 pub use crate::row::Row;
+pub use chosen::ChosenWavelengths;
 pub use conventions::{Angles, Conventions, Mirror, Values};
 pub use intake::{Intake, LeftOut, Note};
 pub use reason::Reason;
-pub use spectra::Spectra;
+pub use spectra::{BandError, Spectra, SpectralErrors, SpectralSample};
 
 /// Memory that the samples of a text take, over its own: nine numbers of two bytes or more become two samples of 50, and stay with their
 /// lines.

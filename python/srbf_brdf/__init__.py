@@ -14,8 +14,8 @@ the BRDF times the cosine of `wi`, in linear sRGB, 1/sr. Densities are per solid
 """
 
 from ._native import FitError, Material, Table, __version__, fit, read, table
-from .types import Comparison, Sample
+from .types import Comparison, Primaries, Sample
 
-__all__ = ["Comparison", "FitError", "Material", "Sample", "Table", "__version__", "fit", "load", "read", "table"]
+__all__ = ["Comparison", "FitError", "Material", "Primaries", "Sample", "Table", "__version__", "fit", "load", "read", "table"]
 
 load = Material.load

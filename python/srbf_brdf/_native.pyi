@@ -9,7 +9,7 @@ import numpy as np
 from matplotlib.figure import Figure
 from numpy.typing import ArrayLike, NDArray
 
-from .types import Comparison, Sample
+from .types import Comparison, Primaries, Sample
 
 __version__: str
 
@@ -47,6 +47,14 @@ class Material:
     def has_signed_factors(self) -> bool: ...
     @property
     def provenance(self) -> str: ...
+    @property
+    def has_spectrum(self) -> bool:
+        """Whether it has a map from its colours to spectra, as fits of measured wavelengths have."""
+    @property
+    def wavelengths(self) -> NDArray[np.float32]:
+        """The wavelengths of that map, nm, (n,); empty without one."""
+    def primaries(self, wavelengths: ArrayLike) -> Primaries:
+        """What takes its colours to values at wavelengths in nm. Without a map these are smooth primaries of sRGB, which are 1 together."""
     @property
     def report(self) -> dict[str, Any] | None:
         """What its fit says of itself; None for a material that was read."""

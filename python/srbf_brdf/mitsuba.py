@@ -7,7 +7,8 @@
     bsdf = mi.load_dict({"type": "srbf", "filename": "paint.srbf"})
 
 In the variants of Dr.Jit (LLVM, CUDA, with derivatives) it is traced and runs where they run; in scalar variants the library itself is called. Colours
-are linear sRGB, or their luminance in monochrome variants; spectral and polarized variants are refused.
+are linear sRGB, or their luminance in monochrome variants. Spectral variants have the spectra of the colours: those that the fit keeps of measured
+wavelengths, or smooth ones. Polarized variants have light that leaves without polarization.
 
 | parameter | type | |
 |---|---|---|
@@ -35,8 +36,6 @@ def register(name: str = "srbf") -> None:
     variant = mi.variant()
     if variant is None:
         raise RuntimeError("a variant has to be set first: mitsuba.set_variant('llvm_ad_rgb')")
-    if "spectral" in variant or "polarized" in variant:
-        raise RuntimeError(f"{variant}: materials are linear sRGB; a variant of rgb or mono is expected")
     make = _scalar_class(mi) if variant.startswith("scalar") else _traced_class(mi)
     mi.register_bsdf(name, make)
 
@@ -59,6 +58,15 @@ def _flags(mi, material):
     return flags if material.is_isotropic else flags | mi.BSDFFlags.Anisotropic
 
 
+def _unpolarized(mi, value):
+    """What leaves a surface that takes all polarization away."""
+    return mi.depolarizer(value) if mi.is_polarized else mi.Spectrum(value)
+
+
+# Wavelengths between which spectra are linear in spectral variants of Dr.Jit, nm.
+FIRST, STEP, LAST = 360, 5, 830
+
+
 def _scalar_class(mi):
     """For scalar variants: single calls of the library."""
 
@@ -76,7 +84,9 @@ def _scalar_class(mi):
         def _spectrum(self, si, rgb, active):
             if mi.is_monochromatic:
                 return mi.Spectrum(float(np.dot(rgb, LUMINANCE))) * self.tint.eval_1(si, active)
-            return mi.Color3f(*map(float, rgb)) * self.tint.eval(si, active)
+            if mi.is_spectral:
+                rgb = self.material.primaries(list(si.wavelengths)).of(rgb)
+            return _unpolarized(mi, mi.UnpolarizedSpectrum(*map(float, rgb)) * self.tint.eval(si, active))
 
         def eval_pdf(self, ctx, si, wo, active=True):
             if not active or si.wi.z <= 0 or wo.z <= 0:
@@ -167,6 +177,8 @@ def _traced_class(mi):
             nodes[..., :3] = a["factors"]
             self.nodes = Float(nodes.ravel()) if nodes.size else None
             self.has_sign = material.has_signed_factors
+            columns = material.primaries(np.arange(FIRST, LAST + STEP, STEP)).columns
+            self.columns = Float(columns.ravel()) if mi.is_spectral else None
 
         def traverse(self, callback):
             callback.put("tint", self.tint, mi.ParamFlags.Differentiable)
@@ -354,8 +366,24 @@ def _traced_class(mi):
             if self.nodes is not None:
                 value = value * self._factor(si.wi, wi, active)
             if mi.is_monochromatic:
-                return mi.Spectrum(dr.dot(Vector3f(value), Vector3f(LUMINANCE))) * self.tint.eval_1(si, active)
-            return value * self.tint.eval(si, active) if self.has_tint else value
+                grey = mi.UnpolarizedSpectrum(dr.dot(Vector3f(value), Vector3f(LUMINANCE)))
+                return _unpolarized(mi, grey * self.tint.eval_1(si, active))
+            if mi.is_spectral:
+                value = self._spectral(si, value, active)
+            return _unpolarized(mi, value * self.tint.eval(si, active) if self.has_tint else value)
+
+        def _spectral(self, si, rgb, active):
+            """A colour at the wavelengths of a path."""
+            found = mi.UnpolarizedSpectrum(0)
+            for w in range(len(found)):
+                at = dr.clip((si.wavelengths[w] - FIRST) / STEP, 0, (LAST - FIRST) / STEP)
+                place = dr.minimum(UInt32(at), (LAST - FIRST) // STEP - 1)
+                share = at - Float(place)
+                for c in range(3):
+                    here = dr.gather(Float, self.columns, 3 * place + c, active)
+                    there = dr.gather(Float, self.columns, 3 * place + 3 + c, active)
+                    found[w] = dr.fma(rgb[c], dr.lerp(here, there, share), found[w])
+            return dr.maximum(found, 0)
 
         # The interface of Mitsuba. Its wi is towards the viewer here, its wo the sample.
 

@@ -18,6 +18,17 @@ class Sample(NamedTuple):
     """`f cos / pdf`, linear sRGB, float32 of shape (n, 3)."""
 
 
+class Primaries(NamedTuple):
+    """What takes the colours of a material to values at wavelengths."""
+
+    columns: np.ndarray
+    """For each wavelength three numbers, whose product with linear sRGB is the value; float32 of shape (w, 3)."""
+
+    def of(self, rgb) -> np.ndarray:
+        """The values of colours (..., 3) at the wavelengths, (..., w): of `f cos`, weights, albedos. None is below 0."""
+        return np.maximum(np.asarray(rgb, np.float32) @ self.columns.T, 0)
+
+
 class Comparison:
     """A material beside a table; prints as its verdict."""
 

@@ -12,7 +12,7 @@ use srbf_fit::judge::report::Input;
 use srbf_fit::judge::verdict::Verdict;
 use srbf_fit::read::Content;
 use srbf_fit::table::Symmetry;
-use srbf_fit::{FactorNodes, Fit, FitError, Settings, fit_content, in_threads};
+use srbf_fit::{FactorNodes, Fit, FitError, Settings, fit_content, fit_source, in_threads};
 use std::panic::{AssertUnwindSafe, catch_unwind, resume_unwind};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicU64, Ordering};
@@ -31,7 +31,7 @@ enum From {
 impl From {
     fn fit(&self, settings: &Settings, progress: impl FnMut(f64) + Send) -> Result<Fit, FitError> {
         match self {
-            Self::Table(table) => fit_content(&table.get().source.content, settings, progress),
+            Self::Table(table) => fit_source(&table.get().source, settings, progress),
             Self::Function(function) => {
                 // The trait object has to own the function.
                 let function = Python::attach(|py| Function {

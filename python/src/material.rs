@@ -1,6 +1,6 @@
 //! `Material`: the result of a fit, for renderers.
 
-use crate::arrays::{Shape, Vectors, broadcast, room, slices_mut};
+use crate::arrays::{Shape, Vectors, broadcast, cast, room, slices_mut};
 use crate::error;
 use crate::source::AsBrdf;
 use crate::table::{Reduced, Table};
@@ -186,6 +186,33 @@ impl Material {
     #[getter]
     fn verdict(&self) -> Option<Vec<String>> {
         self.fitted.as_ref().map(|(_, words)| words.clone())
+    }
+
+    /// Whether it has a map from its colours to spectra, as fits of measured wavelengths have.
+    #[getter]
+    fn has_spectrum(&self) -> bool {
+        self.material.has_spectrum()
+    }
+
+    /// The wavelengths of that map, nm, float32 of shape (n,); empty without one.
+    #[getter]
+    fn wavelengths<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<f32>> {
+        let map = self.material.spectral_map();
+        let nm = map.iter().flat_map(|map| (0..map.len()).filter_map(|n| map.wavelength(n)));
+        PyArray1::from_iter(py, nm)
+    }
+
+    /// What takes its colours to values at wavelengths in nm: a `Primaries`.
+    fn primaries<'py>(
+        &self,
+        py: Python<'py>,
+        wavelengths: &Bound<'py, PyAny>,
+    ) -> PyResult<Bound<'py, PyAny>> {
+        let wavelengths = cast::<f32>(wavelengths, "wavelengths")?;
+        let nm = wavelengths.as_slice().map_err(error::value)?;
+        let columns = nm.iter().flat_map(|nm| *self.material.primaries(&[*nm]).columns());
+        let columns = PyArray1::from_iter(py, columns.flatten()).reshape([nm.len(), 3])?;
+        py.import("srbf_brdf.types")?.getattr("Primaries")?.call1((columns,))
     }
 
     /// `f cos` of pairs of directions, float32 of shape (n, 3), 1/sr.

@@ -146,3 +146,29 @@ def test_other_formats_come_back(tmp_path):
         write(tmp_path / name)
         back = srbf.read(tmp_path / name).evaluate(wo[keep], wi[keep])
         assert np.linalg.norm(back - value) < bound * np.linalg.norm(value), name
+
+
+def test_spectra_of_colours(tmp_path):
+    material = srbf.load(GARNET)
+    nm = material.wavelengths
+    assert material.has_spectrum and len(nm) == 31 and (nm[0], nm[-1]) == (400, 700)
+    primaries = material.primaries([400, 405, 410, 2000])
+    assert primaries.columns.shape == (4, 3) and primaries.columns.dtype == np.float32
+    np.testing.assert_allclose(primaries.columns[1], primaries.columns[[0, 2]].mean(axis=0), atol=1e-6)
+    np.testing.assert_array_equal(primaries.columns[3], material.primaries([700]).columns[0])
+    wo, wi, _ = spread(50)
+    rgb = material.evaluate(wo, wi)
+    values = material.primaries([450, 650]).of(rgb)
+    assert values.shape == (50, 2) and values.min() >= 0 and np.median(values[:, 1] / values[:, 0]) > 1.5
+    # One wavelength, by a table of text; and none.
+    rows = [f"{i},0,{o},{p},{0.2 + 0.001 * i}" for i in range(0, 80, 10) for o in (5, 30, 60) for p in (0, 90, 180)]
+    path = tmp_path / "lidar.csv"
+    path.write_text("theta_i,phi_i,theta_o,phi_o,905nm\n" + "\n".join(rows))
+    lidar = srbf.fit(path, lobes=1, starts=1, steps=2, exchanges=0, views=3, factors="none", progress=False)
+    assert lidar.wavelengths.tolist() == [905] and any("905 nm" in line for line in lidar.verdict)
+    np.testing.assert_allclose(lidar.primaries([905]).of([0.25, 0.25, 0.25]), [0.25], rtol=1e-6)
+    plain = srbf.fit("model:lambert:albedo=0.5", lobes=1, starts=1, steps=2, exchanges=0, views=2, progress=False)
+    assert not plain.has_spectrum and plain.wavelengths.size == 0
+    np.testing.assert_allclose(plain.primaries(np.arange(300, 900, 7)).columns.sum(axis=1), 1, atol=1e-5)
+    with pytest.raises(ValueError):
+        material.primaries("red")

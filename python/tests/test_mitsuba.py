@@ -19,11 +19,13 @@ GARNET = next(p for p in PRESETS if p.stem == "garnet_red")
 VARIANT = os.environ.get("SRBF_MITSUBA_VARIANT")
 # All presets and both kinds take a minute and a half: SRBF_CHI_SQUARE=garnet_red,krylon_blue,brushed,factors.
 CHI_SQUARE = os.environ.get("SRBF_CHI_SQUARE", "factors,brushed").split(",")
-of_variant = pytest.mark.skipif(VARIANT is None, reason="run by test_all_of_a_variant")
+IS_SPECTRAL = VARIANT is not None and "spectral" in VARIANT
+of_variant = pytest.mark.skipif(VARIANT is None or IS_SPECTRAL, reason="run by test_all_of_a_variant")
+of_spectral = pytest.mark.skipif(not IS_SPECTRAL, reason="run by test_all_of_a_variant")
 
 
 @pytest.mark.skipif(VARIANT is not None, reason="itself")
-@pytest.mark.parametrize("variant", ["llvm_ad_rgb", "scalar_rgb", "llvm_mono", "cuda_ad_rgb"])
+@pytest.mark.parametrize("variant", ["llvm_ad_rgb", "scalar_rgb", "llvm_mono", "cuda_ad_rgb", "scalar_spectral", "llvm_ad_spectral", "llvm_ad_spectral_polarized"])
 def test_all_of_a_variant(variant):
     if variant not in mi.variants():
         pytest.skip(f"this Mitsuba has no {variant}")
@@ -68,6 +70,30 @@ def traced(material, wo, wi, u):
         rows.append([*value, pdf, *sample.wo, sample.pdf, *weight])
     rows = np.array(rows)
     return rows[:, :3], rows[:, 3], rows[:, 4:7], rows[:, 7], rows[:, 8:]
+
+
+@of_spectral
+def test_values_at_wavelengths_are_those_of_core(materials):
+    """Of a path with four wavelengths; light that leaves is not polarized."""
+    wo, wi, _ = spread(20 if "scalar" in VARIANT else 1000)
+    nm = np.random.default_rng(5).uniform(380, 760, (len(wo), 4)).astype(np.float32)
+    ctx = mi.BSDFContext()
+    for name, path in materials.items():
+        material, traced = srbf.load(path), bsdf(path)
+        want = np.stack([material.primaries(w).of(rgb) for w, rgb in zip(nm, material.evaluate(wo, wi))])
+        if "scalar" in VARIANT:
+            got = []
+            for o, i, w in zip(wo, wi, nm):
+                si = dr.zeros(mi.SurfaceInteraction3f)
+                si.wi, si.wavelengths = mi.Vector3f(*map(float, o)), type(si.wavelengths)(*map(float, w))
+                got.append(np.array(traced.eval(ctx, si, mi.Vector3f(*map(float, i)))))
+        else:
+            si = dr.zeros(mi.SurfaceInteraction3f, len(wo))
+            si.wi = mi.Vector3f(np.ascontiguousarray(wo.T))
+            si.wavelengths = type(si.wavelengths)(np.ascontiguousarray(nm.T))
+            value = traced.eval(ctx, si, mi.Vector3f(np.ascontiguousarray(wi.T)))
+            got = np.array(value[0, 0] if mi.is_polarized else value).T
+        np.testing.assert_allclose(got, want, rtol=3e-4, atol=3e-4 * want.max(), err_msg=name)
 
 
 @of_variant

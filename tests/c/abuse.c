@@ -126,6 +126,20 @@ static void test_materials(const char *path) {
     CHECK_POINTER(float, rgb, srbf_material_factor(material, p, UP, rgb));
     CHECK_POINTER(float, rgb, srbf_material_factor(material, UP, p, rgb));
     CHECK_POINTER(float, rgb, srbf_material_factor(material, UP, UP, p));
+
+    const float nm[1] = {500};
+    srbf_spectrum spectrum;
+    CHECK_OBJECT(srbf_material, material, srbf_material_spectrum(p, &spectrum));
+    CHECK_POINTER(srbf_spectrum, &spectrum, srbf_material_spectrum(material, p));
+    CHECK_OBJECT(srbf_material, material, srbf_material_primaries(p, nm, 1, rgb));
+    CHECK_POINTER(float, rgb, srbf_material_primaries(material, p, 1, rgb));
+    CHECK_POINTER(float, rgb, srbf_material_primaries(material, nm, 1, p));
+    CHECK_STATUS(SRBF_STATUS_SIZE, srbf_material_primaries(material, nm, SIZE_MAX / 2, rgb));
+    float one[1];
+    CHECK_POINTER(float, rgb, srbf_primaries_of(p, 1, UP, one));
+    CHECK_POINTER(float, rgb, srbf_primaries_of(UP, 1, p, one));
+    CHECK_POINTER(float, rgb, srbf_primaries_of(UP, 1, UP, p));
+    CHECK_STATUS(SRBF_STATUS_SIZE, srbf_primaries_of(UP, SIZE_MAX, UP, one));
     /* This one has none. */
     CHECK_OK(srbf_material_query(material, &info));
     CHECK(info.factor_nodes[0] == 0 && info.factor_nodes[1] == 0 && info.factor_nodes[2] == 0 && info.largest_factor == 1 && info.has_signed_factors == 0);

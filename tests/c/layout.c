@@ -101,6 +101,13 @@ OFFSET(srbf_material_info, factor_nodes, 8 * P);
 OFFSET(srbf_material_info, largest_factor, 11 * P);
 OFFSET(srbf_material_info, has_signed_factors, 11 * P + 4);
 
+SIZE(srbf_spectrum, (P + 16 + P - 1) / P * P);
+OFFSET(srbf_spectrum, wavelengths, 0);
+OFFSET(srbf_spectrum, first, P);
+OFFSET(srbf_spectrum, last, P + 4);
+OFFSET(srbf_spectrum, error, P + 8);
+OFFSET(srbf_spectrum, is_grey, P + 12);
+
 SIZE(srbf_mixture_info, (3 * P + 40 + P - 1) / P * P);
 OFFSET(srbf_mixture_info, lobes, 0);
 OFFSET(srbf_mixture_info, squeezed_lobes, P);

@@ -241,6 +241,13 @@ static void pairs(const char *path) {
     CHECK(!expanded.prepare(wo[7], mixture) && !mixture.pdf(wi[7], pdf[0]));
     CHECK(std::fabs(pdf[0] - exact_pdf[7]) <= 2e-3f * pdf[0]);
 
+    srbf_spectrum spectrum;
+    srbf::Primaries<4> primaries;
+    std::array<float, 4> values;
+    CHECK(!material.spectrum(spectrum) && spectrum.wavelengths == 0);
+    CHECK(!material.primaries(std::array<float, 4>{420, 500, 580, 660}, primaries) && !primaries.of({2, 2, 2}, values));
+    CHECK(std::fabs(values[0] - 2) < 1e-5f && std::fabs(values[2] - 2) < 1e-5f);
+
     const srbf::Span<srbf::Vec3> short_of_one(exact.data(), n - 1);
     CHECK(expanded.ask(Request().wo(wo).wi(wi).value(short_of_one)).code() == SRBF_STATUS_SIZE);
     CHECK(material.ask(Request().wo(wo).u(u).samples({samples.data(), n - 1})).code() == SRBF_STATUS_SIZE);

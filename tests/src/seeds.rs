@@ -2,7 +2,10 @@
 
 use crate::inputs::Random;
 use core::f32::consts::{FRAC_PI_2, PI};
-use srbf_core::{FactorTable, FormatError, Grid, GridView, Line, PlaneLobe, TiltedLobe, View};
+use srbf_core::{
+    FactorTable, FormatError, Grid, GridView, Line, Material, PlaneLobe, SpectralColumns, SpectralMap,
+    TiltedLobe, View,
+};
 
 /// Where the seeds come from, as their provenance says.
 const SEED: &str = "made by tests/src/seeds.rs";
@@ -38,6 +41,16 @@ pub fn factored() -> Vec<u8> {
     };
     let line = Line { views: &[view(0), view(1)], squeezed: 1, mirrored: 0, factors: Some(table) };
     encoded(line.encoded_len(SEED), |out| line.encode(SEED, out))
+}
+
+/// The same with spectra of the colours.
+pub fn spectral() -> Vec<u8> {
+    let material = Material::from_bytes(factored()).expect("a valid material");
+    let columns = SpectralColumns::Rgb(&[[0.1, -0.2, 1.5], [0.2, 0.9, 0.1], [2.0, 1.0, -1.0]]);
+    let mut map = [0; SpectralMap::encoded_len(3, false)];
+    SpectralMap::encode(&[420.0, 550.0, 905.0], columns, 0.1, &mut map).expect("a valid map");
+    let map = SpectralMap::from_bytes(&map).expect("just encoded");
+    encoded(material.with_spectral_map_len(map), |out| material.with_spectral_map(map, out))
 }
 
 /// A material of one kind or the other whose numbers are mostly the ends of the format's ranges.

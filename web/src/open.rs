@@ -7,9 +7,8 @@ use srbf_evaluator::plain_bytes;
 use srbf_fit::judge::reciprocity::reciprocity;
 use srbf_fit::judge::report::{Report, factor_words};
 use srbf_fit::judge::verdict::Verdict;
-use srbf_fit::look::Look;
 use srbf_fit::read::{Conventions, Source, read_from};
-use srbf_fit::{Settings, fit_content};
+use srbf_fit::{Settings, fit_source};
 
 /// First bytes of a `.srbf` file.
 const MAGIC: &[u8] = b"\x89SRBF";
@@ -48,8 +47,7 @@ pub fn fitted(source: &Source, progress: impl FnMut(f64) + Send) -> Result<Opene
     let Source { name, sha256, .. } = source;
     let settings = Settings { provenance: format!("{name}, SHA-256 {sha256}\n"), ..Settings::default() };
     let text = |error: srbf_fit::FitError| format!("{name}: {error}");
-    let mut fit = fit_content(&source.content, &settings, progress).map_err(text)?;
-    fit.report.look = source.intake.as_ref().map(|intake| Look::new(intake, fit.report.completion.as_ref()));
+    let fit = fit_source(source, &settings, progress).map_err(text)?;
     let material = Material::from_bytes(fit.bytes.as_slice()).map_err(|error| format!("{name}: {error}"))?;
     let verdict = Verdict::of_material(&fit.report, &reciprocity(&material).map_err(text)?);
     let notes = fit.report.notes().into_iter().map(|note| format!("note {note}"));

@@ -85,7 +85,8 @@ impl<B: AsRef<[u8]>> Material<B> {
     /// Where the material comes from, as its maker wrote it.
     pub fn provenance(&self) -> &str {
         let start = self.header.text;
-        core::str::from_utf8(&self.bytes()[start..start + self.header.provenance]).unwrap_or_default()
+        core::str::from_utf8(&self.bytes()[start..start + self.header.provenance as usize])
+            .unwrap_or_default()
     }
 
     /// Whether the mixture depends only on the angle of the outgoing direction from the normal, but for a

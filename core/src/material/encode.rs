@@ -4,14 +4,15 @@ use super::checksum::crc32;
 use super::codes::{SCALE, Scale};
 use super::factor_table::FactorTable;
 use super::format_error::{FORMAT_VERSION, FormatError};
-use super::layout::{BLOCK_HEAD, FACT, HEADER, Header, Kind, LOBE, MAGIC, MIRRORED, Shape, TEXT};
+use super::layout::{BLOCK_HEAD, FACT, HEADER, Header, Kind, LOBE, MAGIC, MIRRORED, SPEC, Shape, TEXT};
+use super::spectral_map::SpectralMap;
 use super::validate::validate;
 use super::views::{Grid, Line};
 
 /// Bytes that [`Line::encode`] writes without factors, for `views` views of `lobes` lobes, the last
 /// `mirrored` of which stand for two; of 1024 views and 64 lobes at most.
 pub const fn encoded_len(views: usize, lobes: usize, mirrored: usize, provenance: &str) -> usize {
-    Header { views, lobes, mirrored, provenance: provenance.len(), ..Header::EMPTY }.placed().1
+    Header { views, lobes, mirrored, provenance: provenance.len() as u32, ..Header::EMPTY }.placed().1
 }
 
 impl Line<'_> {
@@ -21,7 +22,7 @@ impl Line<'_> {
             lobes: self.views.first().map_or(0, |v| v.lobes.len()),
             squeezed: self.squeezed,
             mirrored: self.mirrored,
-            provenance: provenance.len(),
+            provenance: provenance.len() as u32,
             factors: FactorTable::shape(self.factors.as_ref()),
             has_signed_factors: self.factors.is_some_and(|table| table.is_signed),
             ..Header::EMPTY
@@ -83,14 +84,15 @@ impl Line<'_> {
         if let Some(table) = factors {
             writer.factors(&table);
         }
-        writer.finish(provenance)
+        writer.finish(provenance, None)
     }
 }
 
 /// Puts bytes one behind the other into a buffer that is long enough.
 pub(super) struct Writer<'a> {
-    out: &'a mut [u8],
-    at: usize,
+    pub(super) out: &'a mut [u8],
+    /// Bytes that have been put.
+    pub(super) at: usize,
 }
 
 impl<'a> Writer<'a> {
@@ -160,11 +162,16 @@ impl<'a> Writer<'a> {
         start
     }
 
-    /// Ends with provenance and checksum, and checks the whole; returns its length.
-    pub(super) fn finish(mut self, provenance: &str) -> Result<usize, FormatError> {
-        if !provenance.is_empty() {
-            let start = self.begin(TEXT);
-            self.put(provenance.as_bytes());
+    /// Ends with provenance, the spectra of colours and checksum, and checks the whole; returns its length.
+    pub(super) fn finish(
+        mut self,
+        provenance: &str,
+        spectra: Option<SpectralMap<'_>>,
+    ) -> Result<usize, FormatError> {
+        let contents = [(TEXT, provenance.as_bytes()), (SPEC, spectra.map_or(&[][..], |map| map.bytes()))];
+        for (tag, content) in contents.into_iter().filter(|(_, content)| !content.is_empty()) {
+            let start = self.begin(tag);
+            self.put(content);
             self.end(start);
         }
         let checksum = crc32(&self.out[..self.at]);
@@ -182,7 +189,7 @@ impl Grid<'_> {
             views: self.views.len(),
             lobes: self.views.first().map_or(0, |v| v.lobes.len()),
             squeezed: self.squeezed,
-            provenance: provenance.len(),
+            provenance: provenance.len() as u32,
             factors: FactorTable::shape(self.factors.as_ref()),
             has_signed_factors: self.factors.is_some_and(|table| table.is_signed),
             ..Header::EMPTY
@@ -238,6 +245,6 @@ impl Grid<'_> {
         if let Some(table) = self.factors {
             writer.factors(&table);
         }
-        writer.finish(provenance)
+        writer.finish(provenance, None)
     }
 }

@@ -38,6 +38,16 @@ pub enum FormatError {
     },
 }
 
+impl FormatError {
+    /// The same of bytes that stand at an offset.
+    pub(super) fn moved(self, by: usize) -> Self {
+        match self {
+            Self::Field { name, offset } => Self::Field { name, offset: offset + by },
+            other => other,
+        }
+    }
+}
+
 impl fmt::Display for FormatError {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {

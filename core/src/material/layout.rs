@@ -91,6 +91,22 @@
 //! # `text`
 //! Provenance, UTF-8.
 //!
+//! # `spec`: the spectra of the colours
+//! A linear map from the colours of values to values at wavelengths; draws and densities are those of the colours.
+//!
+//! ```text
+//!     u8        kind: 0, a column for each of red, green, blue; 1, one column, for the luminance
+//!     u8        bits of a code, 8 or 16
+//!     u16       wavelengths N, 1 to 1024
+//!     f32       error: relative L2 distance of the measured spectra from those of their colours
+//!     N u16     wavelengths in tenths of nm, rising, not 0
+//!     scale     low and step, as in `PACK`, without a sign of the step
+//!     N times   a code for every column; numbers are in [-1e6, 1e6]
+//! ```
+//!
+//! The value at a wavelength is the larger of 0 and the columns' numbers times red, green and blue, or times the luminance. Numbers are
+//! linear between wavelengths and constant beyond.
+//!
 //! # Older versions, which are read but not written
 //! Version 2 has no blocks: the content of `LOBE` stands at 48, in the same place; behind it that of `FACT` from the
 //! albedo differences on, the provenance, and the checksum. At 32 it has the length of the provenance, at 36 M or P,
@@ -122,11 +138,12 @@ pub(crate) const CHECKSUM: usize = 4;
 /// Bytes that every file has.
 pub(crate) const SMALLEST: usize = HEADER + CHECKSUM;
 
-/// Tags of blocks: lobes, lobes in codes, factors, provenance.
+/// Tags of blocks: lobes, lobes in codes, factors, provenance, spectra of colours.
 pub(crate) const PACK: [u8; 4] = *b"PACK";
 pub(crate) const LOBE: [u8; 4] = *b"LOBE";
 pub(crate) const FACT: [u8; 4] = *b"FACT";
 pub(crate) const TEXT: [u8; 4] = *b"text";
+pub(crate) const SPEC: [u8; 4] = *b"spec";
 
 /// Bytes of the content of the block of factors before the albedo differences.
 pub(crate) const TABLE_HEAD: usize = 4;
@@ -150,7 +167,9 @@ pub(crate) struct Header {
     pub mirrored: usize,
     /// Byte offset of the provenance, and its length.
     pub text: usize,
-    pub provenance: usize,
+    pub provenance: u32,
+    /// Byte offset of the content of the block of spectra; 0 without one.
+    pub spectrum: u32,
     /// Luminance and colour differences in place of red, green and blue: not version 1.
     pub has_luminance: bool,
     /// Nodes of the table of factors along half angle, difference angle and azimuth; all 0 without one.
@@ -183,6 +202,7 @@ impl Header {
         mirrored: 0,
         text: 0,
         provenance: 0,
+        spectrum: 0,
         has_luminance: true,
         factors: [0; 3],
         has_signed_factors: false,
@@ -299,7 +319,7 @@ impl Header {
     pub const fn node_len(&self) -> usize {
         (3 * self.bits as usize).div_ceil(8)
     }
-    /// Finds places for the blocks behind the lobes, and the bytes of the whole.
+    /// Finds places for the blocks behind the lobes, and the bytes of the whole without spectra, which come last.
     pub const fn placed(mut self) -> (Self, usize) {
         let mut end = padded(self.lobes_end());
         if self.has_factors() {
@@ -308,7 +328,7 @@ impl Header {
         }
         self.text = end + BLOCK_HEAD;
         if self.provenance > 0 {
-            end = padded(self.text + self.provenance);
+            end = padded(self.text + self.provenance as usize);
         }
         (self, end + CHECKSUM)
     }

@@ -6,6 +6,7 @@ use super::encode::Writer;
 use super::factor_table::FactorTable;
 use super::format_error::FormatError;
 use super::layout::{HEAD, HEADER, Header, LOBE, PACK};
+use super::spectral_map::SpectralMap;
 use crate::color::{MOST_DIFFERENCE, luminance};
 use core::f32::consts::{FRAC_PI_2, PI};
 
@@ -106,9 +107,15 @@ impl<B: AsRef<[u8]>> Material<B> {
 
     /// The header that a way of writing has, and the length of the whole.
     fn placed(&self, codes: Option<Codes>, provenance: &str) -> (Header, usize) {
-        let header =
-            Header { codes, provenance: provenance.len(), bits: 8, has_luminance: true, ..*self.header() };
-        header.placed()
+        let header = Header {
+            codes,
+            provenance: provenance.len() as u32,
+            bits: 8,
+            has_luminance: true,
+            ..*self.header()
+        };
+        let (header, bytes) = header.placed();
+        (header, bytes + self.spectral_map().map_or(0, SpectralMap::block_len))
     }
 
     fn write(&self, codes: Option<Codes>, provenance: &str, out: &mut [u8]) -> Result<usize, FormatError> {
@@ -136,7 +143,7 @@ impl<B: AsRef<[u8]>> Material<B> {
             nodes().for_each(|factor| writer.put(&FactorTable::node(&factor, largest)));
             writer.end(start);
         }
-        writer.finish(provenance)
+        writer.finish(provenance, self.spectral_map())
     }
 
     /// The factors in the order of the file.
@@ -255,7 +262,7 @@ fn codes_of(options: PackOptions) -> Option<Codes> {
 
 impl Scale {
     /// The finest one that has a code up to `most` for each of some numbers.
-    fn over(numbers: impl Iterator<Item = f32>, most: u16) -> Self {
+    pub(super) fn over(numbers: impl Iterator<Item = f32>, most: u16) -> Self {
         let (mut low, mut high) = (f32::INFINITY, f32::NEG_INFINITY);
         for n in numbers {
             (low, high) = (low.min(n), high.max(n));
@@ -271,14 +278,14 @@ impl Scale {
         Self { low, step, is_relative: false }
     }
 
-    fn to_bytes(self) -> [u8; 4] {
+    pub(super) fn to_bytes(self) -> [u8; 4] {
         let step = if self.is_relative { -self.step } else { self.step };
         let [low, step] = [self.low, step].map(|n| ((n.to_bits() >> 16) as u16).to_le_bytes());
         [low[0], low[1], step[0], step[1]]
     }
 
     /// The code that is nearest to a number, of those up to `most` within limits.
-    fn encode(self, number: f32, angle: f32, most: u16, (least, largest): (f32, f32)) -> u16 {
+    pub(super) fn encode(self, number: f32, angle: f32, most: u16, (least, largest): (f32, f32)) -> u16 {
         let above = number - self.low - if self.is_relative { angle } else { 0.0 };
         let mut code = if self.step > 0.0 { (above / self.step + 0.5) as u16 } else { 0 }.min(most);
         while code > 0 && self.decode(code, angle) > largest {

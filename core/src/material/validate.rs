@@ -5,9 +5,10 @@ use super::codes::{Codes, PACK_HEAD};
 use super::factor_table::{AZIMUTHS, LEAST_LARGEST, MOST_FACTOR, SIZES, largest_2};
 use super::format_error::{FORMAT_VERSION, FormatError};
 use super::layout::{
-    BLOCK_HEAD, BLOCKS, CHECKSUM, FACT, Header, Kind, LOBE, MAGIC, MAX_LOBES, MIRRORED, PACK, SMALLEST,
+    BLOCK_HEAD, BLOCKS, CHECKSUM, FACT, Header, Kind, LOBE, MAGIC, MAX_LOBES, MIRRORED, PACK, SMALLEST, SPEC,
     Shape, TABLE_HEAD, TEXT, f32_at, padded, part, u32_at,
 };
+use super::spectral_map::SpectralMap;
 use crate::color::MOST_DIFFERENCE;
 use crate::float;
 use core::f32::consts::{FRAC_PI_2, PI};
@@ -57,7 +58,7 @@ pub(crate) fn validate(bytes: &[u8]) -> Result<Header, FormatError> {
         return Err(FormatError::Checksum);
     }
     let text = header.text;
-    if core::str::from_utf8(part(bytes, text..text + header.provenance)).is_err() {
+    if core::str::from_utf8(part(bytes, text..text + header.provenance as usize)).is_err() {
         return Err(FormatError::Field { name: "provenance (not UTF-8)", offset: text });
     }
     match header.kind {
@@ -127,9 +128,10 @@ fn read_places(bytes: &[u8], mut header: Header, version: u32) -> Result<Header,
     }
     header.table = header.lobes_end();
     header.text = if header.has_factors() { header.nodes_end() } else { header.table };
-    header.provenance = count(PROVENANCE);
+    let provenance = count(PROVENANCE);
+    header.provenance = provenance as u32;
     // The counts are small here, and the text is at most as long as the file: the sum cannot overflow.
-    if header.provenance > bytes.len() || header.text + header.provenance + CHECKSUM != bytes.len() {
+    if provenance > bytes.len() || header.text + provenance + CHECKSUM != bytes.len() {
         return Err(FormatError::Field { name: "length of the provenance", offset: PROVENANCE });
     }
     Ok(header)
@@ -181,7 +183,12 @@ fn read_blocks(bytes: &[u8], mut header: Header) -> Result<Header, FormatError> 
                 }
             }
             TEXT if header.text > 0 => return field("tag of a block (a second provenance)", at),
-            TEXT => (header.text, header.provenance) = (start, length),
+            TEXT => (header.text, header.provenance) = (start, length as u32),
+            SPEC if header.spectrum > 0 => return field("tag of a block (a second one of spectra)", at),
+            SPEC => {
+                SpectralMap::from_bytes(part(bytes, start..start + length)).map_err(|e| e.moved(start))?;
+                header.spectrum = start as u32;
+            }
             // What begins with a small letter may be skipped.
             [b'a'..=b'z', ..] => {}
             _ => return field("tag of a block (unknown, and not to be skipped)", at),

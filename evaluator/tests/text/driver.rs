@@ -57,7 +57,7 @@ impl Program {
         if wrong != [0; 4] {
             return Ok(Err(i32::from_le_bytes(wrong)));
         }
-        let mut numbers = vec![0; 15 * 4 * n];
+        let mut numbers = vec![0; 18 * 4 * n];
         answer.read_exact(&mut numbers)?;
         let numbers: Vec<f32> = numbers.as_chunks().0.iter().map(|b| f32::from_le_bytes(*b)).collect();
         Ok(Ok(numbers.chunks(n.max(1)).map(<[f32]>::to_vec).collect()))

@@ -2,8 +2,8 @@
 
 use crate::driver::{Program, root};
 use srbf_core::{
-    Draws, FactorTable, Grid, GridView, Line, MAX_LOBES, Material, Mixture, PlaneLobe, TiltedLobe, Towards,
-    View,
+    Draws, FactorTable, Grid, GridView, Line, MAX_LOBES, Material, Mixture, PlaneLobe, SpectralColumns,
+    SpectralMap, TiltedLobe, Towards, View,
 };
 use srbf_evaluator::{Language, export, text};
 use std::path::{Path, PathBuf};
@@ -121,6 +121,23 @@ fn factored(is_signed: bool) -> Vec<u8> {
     bytes
 }
 
+/// Factors, and spectra of four wavelengths or of one.
+fn spectral(is_lidar: bool) -> Vec<u8> {
+    let bytes = factored(true);
+    let material = Material::from_bytes(&bytes[..]).expect("a material");
+    let columns = [[0.1, -0.2, 1.5], [0.2, 0.9, 0.1], [0.9, 0.3, 0.0], [2.0, 1.0, -1.0]];
+    let (nm, columns) = match is_lidar {
+        true => (&[905.0][..], SpectralColumns::Luminance(&[1.0])),
+        false => (&[420.0, 532.1, 640.0, 905.0][..], SpectralColumns::Rgb(&columns)),
+    };
+    let mut map = vec![0; SpectralMap::encoded_len(nm.len(), is_lidar)];
+    SpectralMap::encode(nm, columns, 0.1, &mut map).expect("the map is valid");
+    let map = SpectralMap::from_bytes(&map).expect("just encoded");
+    let mut out = vec![0; material.with_spectral_map_len(map)];
+    material.with_spectral_map(map, &mut out).expect("room for it");
+    out
+}
+
 /// Rows of numbers: inputs, and the results of the library.
 fn reference(bytes: &[u8]) -> (Vec<Vec<f32>>, Vec<Vec<f32>>) {
     let material = Material::from_bytes(bytes).expect("a material");
@@ -216,7 +233,13 @@ fn cpp_and_metal_say_what_the_library_says() {
         .filter(|p| p.extension().is_some_and(|e| e == "srbf"))
         .collect();
     assert!(materials.len() >= 3);
-    for (name, bytes) in [("brushed", brushed()), ("factored", factored(false)), ("signed", factored(true))] {
+    for (name, bytes) in [
+        ("brushed", brushed()),
+        ("factored", factored(false)),
+        ("signed", factored(true)),
+        ("spectral", spectral(false)),
+        ("lidar", spectral(true)),
+    ] {
         let path = Path::new(env!("CARGO_TARGET_TMPDIR")).join(format!("{name}.srbf"));
         std::fs::write(&path, bytes).expect("the target folder can be written");
         materials.push(path);
@@ -224,9 +247,15 @@ fn cpp_and_metal_say_what_the_library_says() {
     for material in materials {
         let bytes = std::fs::read(&material).expect("a material");
         let (given, want) = reference(&bytes);
+        let spectra = Material::from_bytes(&bytes[..]).expect("a material");
         for (language, program) in &mut programs {
             let got = program.ask(&bytes, &given).expect("it answers").expect("a material");
             check(&material.file_stem().unwrap_or_default().to_string_lossy(), *language, &got, &want);
+            for (i, u) in given[6].iter().enumerate() {
+                let [column] = *spectra.primaries(&[300.0 + 700.0 * u]).columns();
+                let apart = largest([0, 1, 2].map(|c| got[15 + c][i] - column[c]));
+                assert!(apart <= 1e-4 * largest(column).max(1.0), "{}: {u}, {column:?}", material.display());
+            }
         }
     }
 }
@@ -293,6 +322,15 @@ fn words_that_are_no_material_are_refused() {
         (table + 8, 1),
         (table + 10, 9),
     ];
+    let lidar = spectral(true);
+    let block = lidar.windows(4).position(|w| w == b"spec").expect("there are spectra") + 8;
+    // Kind, bits, count, wavelength, scale: 905 nm, low 1, step 0.
+    for (offset, value) in [(-4, 9), (0, 2), (1, 9), (2, 2), (2, 0), (3, 9), (11, 0xff), (13, 0x80)] {
+        let mut broken = lidar.clone();
+        broken[block.strict_add_signed(offset)] = value;
+        let answer = program.ask(&broken, &vec![vec![]; 9]).expect("it answers");
+        assert!(answer.is_err(), "{offset} {value}");
+    }
     for broken in cuts.into_iter().chain(changed.map(|(offset, value)| with(offset, value))) {
         let answer = program.ask(&broken, &vec![vec![]; 9]).expect("it answers");
         assert!(answer.is_err(), "{} bytes", broken.len());

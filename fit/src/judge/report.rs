@@ -12,6 +12,7 @@ use crate::judge::fitted_material::TrackedView;
 use crate::judge::measure::{RegionErrors, away, negatives, region_errors};
 use crate::judge::method::{Fitted, FittedView};
 use crate::judge::norm::{Norm, relative, squares, values};
+use crate::judge::spectral::SpectralReport;
 use crate::look::Look;
 #[doc(inline)]
 pub use crate::numeric::levenberg::Ending;
@@ -90,6 +91,8 @@ pub struct Report {
     pub gaps: Option<Gaps>,
     /// Findings about the samples before the fit, if they were looked for.
     pub look: Option<Look>,
+    /// The spectra of its colours, of samples that have some.
+    pub spectra: Option<SpectralReport>,
 }
 
 /// Added to an albedo before errors are divided by it: errors of nearly black surfaces do not matter.

@@ -6,6 +6,7 @@ use crate::judge::cross::CrossValidation;
 use crate::judge::method::Fitted;
 use crate::judge::reciprocity::{Reciprocity, reciprocity};
 use crate::judge::report::{Ending, Input, LARGE_ERROR, Report, ViewReport, factor_bytes, mean_error};
+use crate::judge::spectral::SpectralReport;
 use crate::judge::verdict::{Summary, Verdict, steps_matter};
 use crate::look::Look;
 use crate::{FitError, Settings};
@@ -105,6 +106,7 @@ impl Report {
             "mean_relative_l2_held_out": held_out,
             "cross_validation": self.cross_validation.as_ref().map(CrossValidation::to_json),
             "not_measured": self.gaps.as_ref().map(Gaps::to_json),
+            "spectra": self.spectra.as_ref().map(SpectralReport::to_json),
             "look": self.look.as_ref().map(Look::to_json),
             "completion": self.completion.as_ref().map(CompletionReport::to_json),
             "reciprocity": {"median_abs_log_ratio": median, "worst_abs_log_ratio": worst, "pairs": pairs},

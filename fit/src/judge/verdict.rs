@@ -8,6 +8,7 @@ mod units;
 use crate::judge::appearance::Appearance;
 use crate::judge::reciprocity::Reciprocity;
 use crate::judge::report::{Ending, Report, ViewReport};
+use crate::judge::spectral::{Grade, SpectralReport};
 use crate::table::albedo_bounds::{LEAST, albedos};
 use serde_json::{Value, json};
 
@@ -415,6 +416,7 @@ impl Verdict {
         verdict.say_appearance(report);
         verdict.say_gaps(report);
         verdict.say_completion(report);
+        verdict.say_spectra(report);
         // Of samples, the albedo of the completion tells: see `look`.
         if report.completion.is_none() {
             verdict.off.extend(units::fault(&report.views));
@@ -535,6 +537,17 @@ impl Verdict {
             &mut self.off
         };
         place.push(text);
+    }
+
+    /// How far spectra are from those of the samples.
+    fn say_spectra(&mut self, report: &Report) {
+        let Some((grade, text)) = report.spectra.as_ref().map(SpectralReport::sentence) else { return };
+        match grade {
+            Grade::Good => &mut self.good,
+            Grade::Fair => &mut self.fair,
+            Grade::Off => &mut self.off,
+        }
+        .push(text);
     }
 
     /// The lines to print, each with its kind: good, fair, off, try.

@@ -1,5 +1,6 @@
 //! Conventions of the numbers of a file, where the file itself does not state them.
 
+use super::chosen::ChosenWavelengths;
 pub use crate::row::Values;
 
 /// Units of angles.
@@ -43,6 +44,8 @@ pub struct Conventions {
     pub is_saturated: bool,
     /// What values are divided by to be in 1/sr; above 0.
     pub divide: f64,
+    /// The wavelengths that are read, of a file that has some; `None`: all.
+    pub wavelengths: Option<ChosenWavelengths>,
 }
 
 impl Default for Conventions {
@@ -54,6 +57,7 @@ impl Default for Conventions {
             is_along_light: false,
             is_saturated: false,
             divide: 1.0,
+            wavelengths: None,
         }
     }
 }

@@ -34,9 +34,8 @@ pub fn parse(bytes: &[u8], conventions: &Conventions) -> Result<Intake, ReadErro
         wavelengths
             .push(numbers.next("a wavelength in nm, from 100 to 10000", |v| (100.0..=1e4).contains(&v))?);
     }
-    let to_rgb = Wavelengths::new(&wavelengths)?;
     let mut reading = Reading::new("Cornell .brdf", conventions);
-    reading.wavelengths_are(&to_rgb);
+    let to_rgb = reading.wavelengths_are(Wavelengths::new(&wavelengths)?, 1.0)?;
 
     let theta = |v: f64| (0.0..=FRAC_PI_2 + 1e-5).contains(&v);
     let phi = |v: f64| v.abs() <= 2.0 * PI + 1e-5;

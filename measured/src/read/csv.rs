@@ -161,12 +161,15 @@ fn table(
         reading.announced = None;
         return long::finish(&geometry, found, share, reading);
     }
-    if let Values::Spectrum(_, wavelengths) = &columns.values {
-        reading.spectra_are(wavelengths);
-    }
+    let spectrum = match &columns.values {
+        Values::Spectrum(_, wavelengths) => Some(reading.wavelengths_are(wavelengths.clone(), share)?),
+        _ => None,
+    };
     for row in &found {
         let directions = geometry.directions(row)?;
-        let rgb = columns.values.rgb(&row.values).map(|v| share * v);
+        let rgb =
+            spectrum.as_ref().map_or_else(|| columns.values.rgb(&row.values), |lines| lines.rgb(&row.values));
+        let rgb = rgb.map(|v| share * v);
         reading.push(row.line, directions, rgb, &row.values);
     }
     reading.finish()

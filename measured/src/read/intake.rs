@@ -10,7 +10,7 @@ use super::conventions::{Conventions, Mirror, Values};
 use super::reason::Reason;
 use super::scatter;
 use super::sentinels::{Cells, Sentinels};
-use super::spectra::{Spectra, SpectralSums};
+use super::spectra::{Spectra, SpectralSamples};
 use super::wavelengths::Wavelengths;
 use crate::ReadError;
 use crate::isotropy::Isotropy;
@@ -98,7 +98,10 @@ pub(crate) struct Reading {
     intake: Intake,
     conventions: Conventions,
     cells: Vec<Cells>,
-    spectra: Option<SpectralSums>,
+    spectra: Option<SpectralSamples>,
+    /// A value is so many times a number of a spectrum.
+    share: f64,
+    has_wavelengths: bool,
     /// The kind of values that the file itself states, if no option says another.
     stated: Option<Values>,
     /// How many rows the file announces.
@@ -122,6 +125,8 @@ impl Reading {
             conventions,
             cells: Vec::new(),
             spectra: None,
+            share: 1.0,
+            has_wavelengths: false,
             stated: None,
             announced: None,
             rows: 0,
@@ -136,17 +141,22 @@ impl Reading {
         }
     }
 
-    /// States that the numbers of each row are a spectrum, and says how it is used.
-    pub fn wavelengths_are(&mut self, wavelengths: &Wavelengths) {
+    /// States that the numbers of each row are a spectrum, and says how it is used; gives the wavelengths that are. A value is `share` of
+    /// such a number.
+    ///
+    /// # Errors
+    /// [`ReadError`] where none of them is chosen.
+    pub fn wavelengths_are(
+        &mut self,
+        wavelengths: Wavelengths,
+        share: f64,
+    ) -> Result<Wavelengths, ReadError> {
+        let wavelengths = wavelengths.chosen(self.conventions.wavelengths)?;
         if let Some(note) = &wavelengths.note {
             self.note(note.clone());
         }
-        self.spectra_are(wavelengths);
-    }
-
-    /// The same of which the use is said already.
-    pub fn spectra_are(&mut self, wavelengths: &Wavelengths) {
-        self.spectra = wavelengths.sums();
+        (self.spectra, self.share, self.has_wavelengths) = (wavelengths.samples(), share, true);
+        Ok(wavelengths)
     }
 
     pub fn note(&mut self, text: impl Into<String>) {
@@ -170,7 +180,18 @@ impl Reading {
     }
 
     /// Adds a sample; `cells`: its numbers before they became a colour, for values that stand for nothing.
-    pub fn push(&mut self, line: usize, [wi, wo]: [[f64; 3]; 2], rgb: [f64; 3], cells: &[f64]) {
+    pub fn push(&mut self, line: usize, pair: [[f64; 3]; 2], rgb: [f64; 3], cells: &[f64]) {
+        self.push_spectrum(line, pair, rgb, [cells, cells]);
+    }
+
+    /// The same of a spectrum that is not what stands in the file.
+    pub fn push_spectrum(
+        &mut self,
+        line: usize,
+        [wi, wo]: [[f64; 3]; 2],
+        rgb: [f64; 3],
+        [cells, spectrum]: [&[f64]; 2],
+    ) {
         let wi = if self.conventions.is_along_light { wi.map(|v| -v) } else { wi };
         self.rows += 1;
         self.behind += usize::from(wi[2] < -HORIZON && wo[2] > HORIZON);
@@ -188,15 +209,16 @@ impl Reading {
             Some(Mirror::Equal) => [-wo[0], -wo[1], wo[2]],
             _ => wo,
         };
-        if let Some(spectra) = &mut self.spectra {
-            spectra.add(cells);
-        }
         let cosine = match self.conventions.values {
             Some(Values::CosineOutgoing) => wo[2],
             Some(Values::CosineIncident) => wi[2],
             _ => 1.0,
         };
-        let rgb = rgb.map(|v| v / (self.conventions.divide * cosine));
+        let divisor = self.conventions.divide * cosine;
+        let rgb = rgb.map(|v| v / divisor);
+        if let Some(spectra) = &mut self.spectra {
+            spectra.add(spectrum, self.share / divisor, [wi, wo]);
+        }
         self.cells.push(Cells::of(cells));
         self.intake.rows.push(Row { line, wi, wo, rgb });
     }
@@ -206,17 +228,22 @@ impl Reading {
     /// # Errors
     /// [`ReadError`] where no sample is left.
     pub fn finish(mut self) -> Result<Intake, ReadError> {
+        if self.conventions.wavelengths.is_some() && !self.has_wavelengths {
+            let text = "--wavelengths: the file has none; spectra or a column of wavelengths are expected";
+            return Err(ReadError::Content(text.into()));
+        }
         self.check_logarithms()?;
         let sentinels = Sentinels::of(&self.cells);
         let rows = std::mem::take(&mut self.intake.rows);
         let mut kept = Vec::with_capacity(rows.len());
-        for (row, cells) in rows.into_iter().zip(std::mem::take(&mut self.cells)) {
-            match sentinels.reason(&cells) {
-                Some(reason) => self.intake.leave_out(reason, row.line),
+        let reasons: Vec<Option<Reason>> = self.cells.iter().map(|cells| sentinels.reason(cells)).collect();
+        for ((row, cells), reason) in rows.into_iter().zip(&self.cells).zip(&reasons) {
+            match reason {
+                Some(reason) => self.intake.leave_out(*reason, row.line),
                 None => kept.push((row, cells.largest())),
             }
         }
-        self.saturation(&mut kept);
+        let left_out = self.saturation(&mut kept);
         self.intake.rows = kept.into_iter().map(|kept| kept.0).collect();
         self.check_cosine();
         self.blacken();
@@ -235,7 +262,9 @@ impl Reading {
                 if left_out.is_empty() { "no samples".into() } else { format!("no samples: {left_out}") };
             return Err(ReadError::Content(text));
         }
-        self.intake.spectra = self.spectra.take().and_then(SpectralSums::finish);
+        self.intake.spectra = self.spectra.take().and_then(|found| {
+            found.finish(|row| reasons[row].is_none() && Some(self.cells[row].largest()) != left_out)
+        });
         self.intake.is_light_fixed = scatter::is_light_fixed(&self.intake.rows);
         Ok(self.intake)
     }
@@ -286,14 +315,15 @@ impl Reading {
         }
     }
 
-    /// Asks about a largest value that is repeated, or leaves those rows out.
-    fn saturation(&mut self, kept: &mut Vec<(Row, f64)>) {
+    /// Asks about a largest value that is repeated, or leaves those rows out and gives it.
+    fn saturation(&mut self, kept: &mut Vec<(Row, f64)>) -> Option<f64> {
         let largest = kept.iter().map(|row| row.1).fold(f64::NEG_INFINITY, f64::max);
         if self.conventions.is_saturated {
             for (row, _) in kept.iter().filter(|row| row.1 == largest) {
                 self.intake.leave_out(Reason::Saturated(largest), row.line);
             }
-            return kept.retain(|row| row.1 < largest);
+            kept.retain(|row| row.1 < largest);
+            return Some(largest);
         }
         if let Some(count) = saturated(kept) {
             self.fault(
@@ -303,6 +333,7 @@ impl Reading {
                 "--saturated leave-out",
             );
         }
+        None
     }
 
     /// Holds a cosine that the file states against its swapped samples.

@@ -61,8 +61,7 @@ pub fn parse(bytes: &[u8], conventions: &Conventions) -> Result<Intake, ReadErro
     }
     wavelengths.sort_by(f64::total_cmp);
     wavelengths.dedup();
-    let to_rgb = Wavelengths::new(&wavelengths)?;
-    reading.wavelengths_are(&to_rgb);
+    let to_rgb = reading.wavelengths_are(Wavelengths::new(&wavelengths)?, 1.0)?;
     let mut pairs: Vec<_> = pairs.into_iter().collect();
     pairs.sort_by_key(|(_, (row, _))| *row);
     for (key, (row, spectrum)) in pairs {

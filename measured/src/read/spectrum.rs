@@ -12,7 +12,7 @@ const MISSING_ENDS: f64 = 20.0;
 /// Weights to linear sRGB at 400, 410, ... 700 nm: CIE 1931 2 degree colour matching functions times illuminant D65, by
 /// the sRGB matrix, such that a reflectance of 1 everywhere gives (1, 1, 1).
 #[rustfmt::skip]
-const WEIGHTS: [[f64; 3]; 31] = [
+pub(super) const WEIGHTS: [[f64; 3]; 31] = [
     [0.000937431, -0.0008066125, 0.005685561],
     [0.003102608, -0.002706366, 0.01921179],
     [0.009527193, -0.008474236, 0.06106546],
@@ -77,23 +77,7 @@ impl ToRgb {
                 w[1], w[0]
             )));
         }
-        let mut weights = vec![[0.0; 3]; wavelengths.len()];
-        let mut add = |n: usize, share: f64, rgb: &[f64; 3]| {
-            weights[n].iter_mut().zip(rgb).for_each(|(w, v)| *w += share * v);
-        };
-        for (i, rgb) in WEIGHTS.iter().enumerate() {
-            let wavelength = FIRST + STEP * i as f64;
-            let after = wavelengths.partition_point(|&w| w < wavelength);
-            if after == 0 || after == wavelengths.len() {
-                add(after.min(wavelengths.len() - 1), 1.0, rgb);
-            } else {
-                let (a, b) = (wavelengths[after - 1], wavelengths[after]);
-                let share = (wavelength - a) / (b - a);
-                add(after - 1, 1.0 - share, rgb);
-                add(after, share, rgb);
-            }
-        }
-        Ok(Self { weights })
+        Ok(Self { weights: resampled(&WEIGHTS, wavelengths) })
     }
 
     /// Contributions of each wavelength to red, green and blue.
@@ -109,6 +93,28 @@ impl ToRgb {
         }
         rgb
     }
+}
+
+/// Weights of a spectrum at 400, 410, ... 700 nm as those of rising wavelengths, between which it is linear, and beyond which it
+/// continues its ends.
+pub(super) fn resampled(table: &[[f64; 3]; 31], wavelengths: &[f64]) -> Vec<[f64; 3]> {
+    let mut weights = vec![[0.0; 3]; wavelengths.len()];
+    let mut add = |n: usize, share: f64, rgb: &[f64; 3]| {
+        weights[n].iter_mut().zip(rgb).for_each(|(w, v)| *w += share * v);
+    };
+    for (i, rgb) in table.iter().enumerate() {
+        let wavelength = FIRST + STEP * i as f64;
+        let after = wavelengths.partition_point(|&w| w < wavelength);
+        if after == 0 || after == wavelengths.len() {
+            add(after.min(wavelengths.len() - 1), 1.0, rgb);
+        } else {
+            let (a, b) = (wavelengths[after - 1], wavelengths[after]);
+            let share = (wavelength - a) / (b - a);
+            add(after - 1, 1.0 - share, rgb);
+            add(after, share, rgb);
+        }
+    }
+    weights
 }
 
 #[cfg(test)]

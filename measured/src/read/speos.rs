@@ -187,7 +187,7 @@ pub fn anisotropic(bytes: &[u8], conventions: &Conventions) -> Result<Intake, Re
     let (Some(incidence), Some(tables)) = (lists.first(), tables.into_iter().next()) else {
         return fail("SPEOS .anisotropicbsdf without an angle of the sample");
     };
-    let colour = colour(&spectrum, &mut reading)?;
+    let (colour, values) = colour(&spectrum, &mut reading)?;
     let grids: Vec<Grid> = tables
         .into_iter()
         .map(|mut grid| {
@@ -213,22 +213,25 @@ pub fn anisotropic(bytes: &[u8], conventions: &Conventions) -> Result<Intake, Re
         incidence[of]
     ));
     for (theta_i, grid) in incidence.iter().zip(&grids) {
-        push(&mut reading, *theta_i, grid, &mut |v| (colour.map(|c| c * v / integral), vec![v]));
+        push(&mut reading, *theta_i, grid, &mut |v| {
+            let spectrum = values.iter().map(|share| share * v / integral).collect();
+            (colour.map(|c| c * v / integral), v, spectrum)
+        });
     }
     reading.finish()
 }
 
-/// Linear sRGB of a spectrum in per cent.
-fn colour(spectrum: &[[f64; 2]], reading: &mut Reading) -> Result<[f64; 3], ReadError> {
+/// Linear sRGB of a spectrum in per cent, and its values.
+fn colour(spectrum: &[[f64; 2]], reading: &mut Reading) -> Result<([f64; 3], Vec<f64>), ReadError> {
     let values: Vec<f64> = spectrum.iter().map(|pair| 0.01 * pair[1]).collect();
     let [first, rest @ ..] = values.as_slice() else { return fail("a spectrum without a wavelength") };
     // The same at all wavelengths is grey, however few there are.
     if rest.iter().all(|v| v == first) {
-        return Ok([*first; 3]);
+        return Ok(([*first; 3], values));
     }
     let wavelengths = Wavelengths::new(&spectrum.iter().map(|pair| pair[0]).collect::<Vec<_>>())?;
-    reading.wavelengths_are(&wavelengths);
-    Ok(wavelengths.rgb(&values))
+    let wavelengths = reading.wavelengths_are(wavelengths, 1.0)?;
+    Ok((wavelengths.rgb(&values), values))
 }
 
 /// Adds the samples of a table, but those of the horizon and behind.
@@ -236,7 +239,7 @@ fn push(
     reading: &mut Reading,
     theta_i: f64,
     grid: &Grid,
-    value: &mut dyn FnMut(f64) -> ([f64; 3], Vec<f64>),
+    value: &mut dyn FnMut(f64) -> ([f64; 3], f64, Vec<f64>),
 ) {
     let count = grid.phis.len();
     let turned = (grid.phis[count - 1] - grid.phis[0] - 360.0).abs() < 1e-6;
@@ -244,10 +247,10 @@ fn push(
         // The normal is one sample, and the last azimuth the first again.
         let used = if *theta == 0.0 { 1 } else { count - usize::from(turned && count > 1) };
         for (p, phi) in grid.phis.iter().take(used).enumerate() {
-            let (rgb, cells) = value(grid.values[t * count + p]);
+            let (rgb, cell, spectrum) = value(grid.values[t * count + p]);
             let pair =
                 [direction(theta_i.to_radians(), 0.0), direction(theta.to_radians(), phi.to_radians() + PI)];
-            reading.push(*line, pair, rgb, &cells);
+            reading.push_spectrum(*line, pair, rgb, [&[cell], &spectrum]);
         }
     }
 }
@@ -269,9 +272,7 @@ pub fn spectral(bytes: &[u8], conventions: &Conventions) -> Result<Intake, ReadE
     ];
     let incidence = words.numbers(angles, "an angle of incidence in degrees")?;
     let wavelengths = Wavelengths::new(&words.numbers(lines, "a wavelength in nm")?)?;
-    if let Some(note) = &wavelengths.note {
-        reading.note(note.clone());
-    }
+    let wavelengths = reading.wavelengths_are(wavelengths, 1.0)?;
     let count = incidence.len().saturating_mul(lines);
     let (tables, transmission) = of_reflection(&mut words, head.has[1], count, &mut reading)?;
     let mut tables = tables.into_iter();

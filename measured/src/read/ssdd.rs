@@ -123,13 +123,10 @@ impl SsddBlock {
     ) -> Result<(), ReadError> {
         let Some(parameters) = self.parameters else { return fail("SSDD of a BRDF without PARAM_TYPE") };
         let spectrum = match self.colour.as_str() {
-            "spectrum" => Some(Wavelengths::new(&self.wavelengths)?),
+            "spectrum" => Some(reading.wavelengths_are(Wavelengths::new(&self.wavelengths)?, 1.0)?),
             "monochrome" | "rgb" | "xyz" => None,
             other => return fail(format!("SSDD of COLOR_MODEL `{}`", shortened(other))),
         };
-        if let Some(spectrum) = &spectrum {
-            reading.wavelengths_are(spectrum);
-        }
         let channels = match self.colour.as_str() {
             "spectrum" => self.wavelengths.len(),
             "monochrome" => 1,

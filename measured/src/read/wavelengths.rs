@@ -1,8 +1,10 @@
 //! A spectrum in whatever wavelengths a file has, made a colour where it is one, and grey where it is none.
 
-use super::spectra::SpectralSums;
+use super::chosen::ChosenWavelengths;
+use super::spectra::{LONGEST, SpectralSamples};
 use super::spectrum::ToRgb;
 use crate::ReadError;
+use std::ops::Range;
 
 /// The visible range, nm.
 const VISIBLE: [f64; 2] = [360.0, 830.0];
@@ -17,12 +19,15 @@ const BLUE: f64 = 500.0;
 const RED: f64 = 600.0;
 
 /// Turns the values of wavelengths, in the order of a file, into linear sRGB.
-#[derive(Debug)]
+#[derive(Clone, Debug)]
 pub(crate) struct Wavelengths {
-    /// Places of the values that matter, by rising wavelength.
-    order: Vec<usize>,
-    /// These wavelengths, nm.
-    lines: Vec<f64>,
+    /// As the file has them.
+    numbers: Vec<f64>,
+    /// Places of the values that are read, by rising wavelength, and these wavelengths, nm.
+    places: Vec<usize>,
+    nm: Vec<f64>,
+    /// Those of the places that make the colour.
+    visible: Range<usize>,
     /// `None`: their mean is grey.
     to_rgb: Option<ToRgb>,
     /// Their use, where it is not plain.
@@ -35,6 +40,18 @@ impl Wavelengths {
     /// # Errors
     /// [`ReadError::Content`] for a number that is no wavelength, and for one that stands there twice.
     pub fn new(numbers: &[f64]) -> Result<Self, ReadError> {
+        Self::of(numbers, None)
+    }
+
+    /// The same with those alone that a caller chooses.
+    ///
+    /// # Errors
+    /// [`ReadError::Content`] where no wavelength is chosen.
+    pub fn chosen(self, chosen: Option<ChosenWavelengths>) -> Result<Self, ReadError> {
+        if chosen.is_some() { Self::of(&self.numbers, chosen) } else { Ok(self) }
+    }
+
+    fn of(numbers: &[f64], chosen: Option<ChosenWavelengths>) -> Result<Self, ReadError> {
         let fail = |text: String| Err(ReadError::Content(text));
         if let Some(odd) = numbers.iter().find(|w| !w.is_finite() || **w <= 0.0) {
             return fail(format!("{odd} is no wavelength"));
@@ -56,14 +73,32 @@ impl Wavelengths {
         if let Some(twice) = order.windows(2).find(|pair| nm[pair[0]] == nm[pair[1]]) {
             return fail(format!("wavelength {} nm stands there twice", nm[twice[0]]));
         }
-        let is_visible = |place: &usize| (VISIBLE[0]..=VISIBLE[1]).contains(&nm[*place]);
-        let visible: Vec<usize> = order.iter().copied().filter(is_visible).collect();
+        let range = |order: &[usize]| match order {
+            [first, .., last] => format!("{} to {} nm", nm[*first], nm[*last]),
+            _ => format!("{} nm", nm[order[0]]),
+        };
+        if let Some(chosen) = chosen {
+            let all = range(&order);
+            order.retain(|place| chosen.has(nm[*place]));
+            if order.is_empty() {
+                return fail(format!("--wavelengths: none of the file's is chosen; it has {all}"));
+            }
+        }
         let unit_note = unit_name.map(|name| format!("wavelengths are in {name}"));
         let (low, high) = (nm[order[0]], nm[order[order.len() - 1]]);
-        let grey = |text: String| {
-            let text = unit_note.iter().cloned().chain([text]).collect::<Vec<_>>().join("; ");
-            Self { order: order.clone(), lines: Vec::new(), to_rgb: None, note: Some(text) }
+        let nm: Vec<f64> = order.iter().map(|&place| nm[place]).collect();
+        let ends = [nm.partition_point(|w| *w < VISIBLE[0]), nm.partition_point(|w| *w <= VISIBLE[1])];
+        let visible = ends[0]..ends[1];
+        let made = |to_rgb: Option<ToRgb>, text: Option<String>| {
+            let is_long = (high > LONGEST).then(|| {
+                format!("no spectra are kept, which end at {LONGEST} nm: --wavelengths chooses those below")
+            });
+            let notes: Vec<String> = unit_note.iter().cloned().chain(text).chain(is_long).collect();
+            let note = (!notes.is_empty()).then(|| notes.join("; "));
+            let visible = if to_rgb.is_some() { visible.clone() } else { 0..0 };
+            Self { numbers: numbers.to_vec(), places: order.clone(), nm: nm.clone(), visible, to_rgb, note }
         };
+        let grey = |text: String| made(None, Some(text));
         if nm.len() == 1 {
             return Ok(grey(format!("one wavelength, {low} nm, is taken as grey")));
         }
@@ -72,28 +107,28 @@ impl Wavelengths {
                 "wavelengths from {low} to {high} nm, which the eye does not see: their mean is taken as grey"
             )));
         }
-        let lines: Vec<f64> = visible.iter().map(|&place| nm[place]).collect();
+        let lines = &nm[visible.clone()];
         let (first, last) = (lines[0], lines[lines.len() - 1]);
-        if let Ok(to_rgb) = ToRgb::new(&lines) {
-            return Ok(Self { order: visible, lines, to_rgb: Some(to_rgb), note: unit_note });
+        if let Ok(to_rgb) = ToRgb::new(lines) {
+            return Ok(made(Some(to_rgb), None));
         }
         if lines.len() >= FEW && first <= BLUE && last >= RED {
             let text = format!("{} wavelengths from {first} to {last} nm make the colour", lines.len());
-            let text = unit_note.iter().cloned().chain([text]).collect::<Vec<_>>().join("; ");
-            let to_rgb = ToRgb::extended(&lines)?;
-            return Ok(Self { order: visible, lines, to_rgb: Some(to_rgb), note: Some(text) });
+            return Ok(made(Some(ToRgb::extended(lines)?), Some(text)));
         }
         Ok(grey(format!("wavelengths from {low} to {high} nm make no colour: their mean is taken as grey")))
     }
 
-    /// Sums for spectra of colours; `None` where the wavelengths make no colour.
-    pub fn sums(&self) -> Option<SpectralSums> {
-        self.to_rgb.as_ref().and_then(|_| SpectralSums::new(&self.lines, &self.order))
+    /// A place for spectra of samples; `None` for wavelengths that are too long to be stored.
+    pub fn samples(&self) -> Option<SpectralSamples> {
+        let is_stored = self.nm.last().is_some_and(|nm| *nm <= LONGEST);
+        is_stored.then(|| SpectralSamples::new(&self.nm, &self.places, self.visible.clone()))?
     }
 
     /// Linear sRGB of the values in the order of the file.
     pub fn rgb(&self, values: &[f64]) -> [f64; 3] {
-        let ordered: Vec<f64> = self.order.iter().map(|&place| values[place]).collect();
+        let used = if self.to_rgb.is_some() { self.visible.clone() } else { 0..self.places.len() };
+        let ordered: Vec<f64> = self.places[used].iter().map(|&place| values[place]).collect();
         match &self.to_rgb {
             Some(to_rgb) => to_rgb.convert(&ordered),
             None => [ordered.iter().sum::<f64>() / ordered.len() as f64; 3],

@@ -1,6 +1,6 @@
 //! Options for the conventions that a file of samples leaves open.
 
-use srbf_fit::read::{Angles, Conventions, Mirror, Values};
+use srbf_fit::read::{Angles, ChosenWavelengths, Conventions, Mirror, Values};
 use std::f64::consts::PI;
 
 /// Knowledge of a file of samples beyond its content.
@@ -25,6 +25,9 @@ pub struct ConventionArgs {
     /// What values are divided by to be in 1/sr: a number, or one with pi at its end, such as 100pi
     #[arg(long, value_name = "NUMBER", value_parser = factor, default_value = "1", hide_default_value = true)]
     divide: f64,
+    /// Of a file of spectra, the wavelengths that are read, in nm: numbers and ranges, such as 905 or 400-700,905 [default: all]
+    #[arg(long, value_name = "NM", value_parser = ChosenWavelengths::parse)]
+    wavelengths: Option<ChosenWavelengths>,
 }
 
 #[derive(Clone, Copy, Debug, clap::ValueEnum)]
@@ -89,6 +92,7 @@ impl ConventionArgs {
             is_along_light: self.incident == Some(IncidentName::AlongLight),
             is_saturated: self.saturated == Some(SaturatedName::LeaveOut),
             divide: self.divide,
+            wavelengths: self.wavelengths,
         }
     }
 }

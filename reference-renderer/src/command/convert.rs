@@ -116,7 +116,8 @@ fn write_grid(output: &Path, format: Format, source: Source) -> anyhow::Result<(
     if let Content::Samples(_) = source.content {
         println!("samples: completed first, to have a value for every pair of directions");
     }
-    let spectra = source.intake.as_ref().and_then(|intake| intake.spectra.clone());
+    let spectra =
+        source.intake.as_ref().and_then(|intake| intake.spectra.clone()).filter(|spectra| !spectra.is_grey);
     let material = MeasuredMaterial::new(source)?;
     if !material.gaps.is_empty() {
         // Samples are all completed; of a table, MERL has a mark for cells that were not measured.
@@ -127,11 +128,11 @@ fn write_grid(output: &Path, format: Format, source: Source) -> anyhow::Result<(
     }
     let (bytes, back): (Vec<u8>, Box<dyn Brdf>) = if let Format::Rgl = format {
         let bytes = export::rgl(material.brdf(), spectra.as_ref())?;
-        if let Some(Spectra { wavelengths, error, .. }) = &spectra {
+        if let Some(Spectra { wavelengths, errors, .. }) = &spectra {
             println!(
                 "spectra: {} wavelengths, by the colours; those of the samples are off by {:.1} % (relative L2)",
                 wavelengths.len(),
-                100.0 * error
+                100.0 * errors.error
             );
         }
         let back = rgl::parse(&bytes)?;

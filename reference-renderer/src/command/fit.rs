@@ -19,7 +19,6 @@ use srbf_core::Material;
 use srbf_fit::complete::complete;
 use srbf_fit::judge::cross::{CrossValidation, cross_validate};
 use srbf_fit::judge::report::Input;
-use srbf_fit::look::Look;
 use srbf_fit::read::{Content, Source};
 use srbf_fit::table::Symmetry;
 use srbf_fit::{Fit, Settings};
@@ -107,7 +106,6 @@ fn fit_one(args: &Args, place: &Job, picture: Option<&Path>) -> anyhow::Result<(
     let settings = args.settings.settings();
     let mut fit = fit_source(&source, settings.clone(), "")?;
     fit.report.cross_validation = left_out;
-    fit.report.look = source.intake.as_ref().map(|intake| Look::new(intake, fit.report.completion.as_ref()));
     let files = output::together();
     output::write(&place.output, &fit.bytes)?;
     let material = Material::from_bytes(fit.bytes.as_slice())?;
@@ -185,5 +183,5 @@ pub fn fit_file(file: &Path, settings: Settings, source: &str) -> anyhow::Result
 fn fit_source(read: &Source, mut settings: Settings, source: &str) -> anyhow::Result<Fit> {
     settings.provenance = format!("{source}{}, SHA-256 {}\n", read.name, read.sha256);
     let progress = Progress::of_shares(&read.name);
-    Ok(srbf_fit::fit_content(&read.content, &settings, |share| progress.set_share(share))?)
+    Ok(srbf_fit::fit_source(read, &settings, |share| progress.set_share(share))?)
 }

@@ -3,7 +3,7 @@
 use crate::truth::LargeMixture;
 use crate::truth::stored::StoredMaterial;
 use glam::Vec3;
-use srbf_core::{MAX_LOBES, Material, printable};
+use srbf_core::{MAX_LOBES, Material, SpectralMap, printable};
 use srbf_fit::judge::report::{factor_bytes, factor_words};
 
 /// Prints the content of a .srbf material.
@@ -40,6 +40,9 @@ pub fn run(args: Args) -> anyhow::Result<()> {
             material.largest_factor(),
             factor_bytes(material)
         );
+    }
+    if let Some(map) = material.spectral_map() {
+        println!("spectra     {}", spectra_words(map));
     }
     for (n, line) in material.provenance().lines().enumerate() {
         println!("{}  {}", if n == 0 { "provenance" } else { "         |" }, printable(line));
@@ -88,6 +91,21 @@ pub fn run(args: Args) -> anyhow::Result<()> {
         print_lobes(material);
     }
     Ok(())
+}
+
+/// The map from colours to spectra in words.
+fn spectra_words(map: SpectralMap<'_>) -> String {
+    let [first, last] = [0, map.len() - 1].map(|n| map.wavelength(n).unwrap_or_default());
+    let bytes = map.bytes().len();
+    if map.len() == 1 {
+        return format!("one wavelength, {first} nm, which colours are the value at, {bytes} bytes");
+    }
+    let of = if map.is_grey() { "the luminance" } else { "red, green and blue" };
+    let error = 100.0 * map.error();
+    format!(
+        "{} wavelengths from {first} to {last} nm, of {of}, off by {error:.1} %, {bytes} bytes",
+        map.len()
+    )
 }
 
 /// Prints every lobe of every view, its colour as it is stored: luminance, and red and blue less that, relative to it.

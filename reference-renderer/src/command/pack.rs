@@ -10,7 +10,7 @@ use srbf_core::{Material, PackOptions};
 use srbf_evaluator::plain_bytes;
 use srbf_fit::pack::{Packed, PackedForm, Subject, Way, forms};
 use srbf_fit::read::{Content, read_with};
-use srbf_fit::{FactorNodes, Settings, export, fit_content};
+use srbf_fit::{FactorNodes, Settings, export, fit_source};
 use std::path::{Path, PathBuf};
 
 /// Writes a material in as few bytes as a scene needs: 8 or 16 bits a number, fewer lobes, views, factors, channels.
@@ -153,7 +153,7 @@ fn whole(args: &Args) -> anyhow::Result<(Vec<u8>, Content, String)> {
     let provenance = format!("{}, SHA-256 {}\n", source.name, source.sha256);
     let progress = Progress::of_shares(&source.name);
     let settings = Settings { provenance, ..Settings::default() };
-    let fit = fit_content(&source.content, &settings, |share| progress.set_share(share))?;
+    let fit = fit_source(&source, &settings, |share| progress.set_share(share))?;
     let stem = args.input.file_stem().unwrap_or_default().to_string_lossy();
     Ok((fit.bytes, source.content, stem.into_owned()))
 }

@@ -18,7 +18,7 @@ fn a_preset_is_packed_and_plain_again_and_both_are_rendered() {
     assert!(small.bytes().len() <= 1600, "{} bytes", small.bytes().len());
     let text = String::from_utf8(said.stdout).unwrap();
     let (whole, packed) = (text.lines().next().unwrap(), text.lines().nth(1).unwrap());
-    assert!(whole.contains("4244 bytes") && whole.ends_with("error 0.00 %"), "{text}");
+    assert!(whole.contains("4512 bytes") && whole.ends_with("error 0.00 %"), "{text}");
     let error: f64 = packed.split_whitespace().rev().nth(1).unwrap().parse().unwrap();
     assert!(packed.starts_with(" 8 bits") && error > 0.0 && error < 1.0, "{text}");
 

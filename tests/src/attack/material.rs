@@ -31,6 +31,7 @@ pub fn check(bytes: &[u8], random: &mut Random, place: &str) {
     let material = Material::from_bytes(bytes).expect("found to be sound");
     say_all(&material);
     pack(&material, random, place);
+    spectra(&material, random, place);
     let rows = ROWS[random.below(ROWS.len())];
     let mut memory = vec![0.0; if material.is_isotropic() { material.expanded_len(rows) } else { 0 }];
     let expanded = Expanded::new(&material, rows, &mut memory);
@@ -71,6 +72,22 @@ fn pack(material: &Material<&[u8]>, random: &mut Random, place: &str) {
             assert!(is_close, "{place}: {error}");
         }
     }
+}
+
+/// Spectra of its colours: numbers at any wavelength, none below 0.
+fn spectra(material: &Material<&[u8]>, random: &mut Random, place: &str) {
+    let any = f32::from_bits((random.below(1 << 16) << 16 | random.below(1 << 16)) as u32);
+    let primaries = material.primaries(&[any, 0.0, random.between(300.0, 1000.0), f32::NAN, f32::MAX]);
+    let values = primaries.of([random.between(-1.0, 9.0), 0.5, random.between(0.0, 1e6)]);
+    let is_sound = |v: &f32| v.is_finite() && *v >= 0.0;
+    assert!(primaries.columns().as_flattened().iter().all(|v| v.is_finite()), "{place}: {any}");
+    assert!(values.iter().all(is_sound), "{place}: {any}, {values:?}");
+    assert_eq!(material.has_spectrum(), material.spectral_map().is_some());
+    let Some(map) = material.spectral_map() else { return };
+    let nm = |n: usize| map.wavelength(n).unwrap_or(f32::INFINITY);
+    assert!((0..map.len()).all(|n| nm(n) < nm(n + 1) && map.column(n).is_some()), "{place}");
+    let mut again = vec![0; material.with_spectral_map_len(map)];
+    assert_eq!(material.with_spectral_map(map, &mut again), Ok(material.bytes().len()), "{place}");
 }
 
 /// Every accessor, within the counts and beyond.

@@ -18,6 +18,7 @@ const SOURCES: &[&str] = &[
     "mixture",
     "material",
     "factors",
+    "spectrum",
     "heap",
     "streams",
     "single",

@@ -99,6 +99,7 @@ fn materials(files: &mut Files) {
     {
         files.insert(format!("material/{name}"), packed(&KINDS[kind].bytes(), options));
     }
+    files.insert("material/spectral".into(), seeds::spectral());
     let mut random = Random(7);
     for n in 0..40 {
         let bytes = seeds::extreme(&mut random);

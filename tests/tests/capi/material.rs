@@ -1,6 +1,9 @@
 //! The materials that the C programs work with.
 
-use srbf_core::{FactorTable, Grid, GridView, Line, PlaneLobe, TiltedLobe, View, encoded_len};
+use srbf_core::{
+    FactorTable, Grid, GridView, Line, Material, PlaneLobe, SpectralColumns, SpectralMap, TiltedLobe, View,
+    encoded_len,
+};
 use std::path::PathBuf;
 use std::sync::OnceLock;
 
@@ -27,6 +30,30 @@ pub fn anisotropic_file() -> PathBuf {
 pub fn factored_file() -> PathBuf {
     static FILE: OnceLock<PathBuf> = OnceLock::new();
     FILE.get_or_init(|| write("factored.srbf", &factored_bytes())).clone()
+}
+
+/// The same as [`file`] with a map to three wavelengths, and with one of a lidar: see `tests/c/spectrum.c`.
+pub fn spectral_file() -> PathBuf {
+    static FILE: OnceLock<PathBuf> = OnceLock::new();
+    let columns = [[0.25, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 0.5]];
+    let map = SpectralColumns::Rgb(&columns);
+    FILE.get_or_init(|| write("spectral.srbf", &with_map(&[450.0, 550.0, 950.0], map, 0.125))).clone()
+}
+
+pub fn lidar_file() -> PathBuf {
+    static FILE: OnceLock<PathBuf> = OnceLock::new();
+    let map = SpectralColumns::Luminance(&[1.0]);
+    FILE.get_or_init(|| write("lidar.srbf", &with_map(&[905.0], map, 0.0))).clone()
+}
+
+fn with_map(wavelengths: &[f32], columns: SpectralColumns<'_>, error: f32) -> Vec<u8> {
+    let material = Material::from_bytes(bytes()).expect("the material is valid");
+    let mut map = [0; 64];
+    let length = SpectralMap::encode(wavelengths, columns, error, &mut map).expect("the map is valid");
+    let map = SpectralMap::from_bytes(&map[..length]).expect("just encoded");
+    let mut out = vec![0; material.with_spectral_map_len(map)];
+    material.with_spectral_map(map, &mut out).expect("room for it");
+    out
 }
 
 fn factored_bytes() -> Vec<u8> {

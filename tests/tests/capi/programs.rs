@@ -45,6 +45,13 @@ fn material_with_factors() {
 }
 
 #[test]
+fn spectra_of_colours() {
+    for file in [material::file(), material::spectral_file(), material::lidar_file()] {
+        run_everywhere_on(&file, "spectrum.c", "spectrum: passed");
+    }
+}
+
+#[test]
 fn environments_are_made_and_sampled() {
     run_everywhere("environment.c", "environment: passed");
 }

@@ -103,9 +103,6 @@ impl Columns {
             Ok(values) => values,
             Err(missing) => return fail(missing),
         };
-        if let Values::Spectrum(_, wavelengths) = &values {
-            notes.extend(wavelengths.note.clone());
-        }
         let mut is_value = vec![false; names.len()];
         values.places().into_iter().for_each(|n| is_value[n] = true);
         let ignored: Vec<String> = (0..names.len())

@@ -18,8 +18,7 @@ pub(super) fn finish(
     let mut wavelengths: Vec<f64> = rows.iter().map(|row| row.values[0]).collect();
     wavelengths.sort_by(f64::total_cmp);
     wavelengths.dedup();
-    let to_rgb = Wavelengths::new(&wavelengths)?;
-    reading.wavelengths_are(&to_rgb);
+    let to_rgb = reading.wavelengths_are(Wavelengths::new(&wavelengths)?, share)?;
     let mut groups: BTreeMap<[u64; 6], Vec<Numbers>> = BTreeMap::new();
     for row in rows {
         groups.entry(row.directions.map(f64::to_bits)).or_default().push(row);

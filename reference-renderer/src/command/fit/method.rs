@@ -187,6 +187,7 @@ pub fn fit(
         appearance: None,
         gaps: None,
         look: None,
+        spectra: None,
     };
     let mut json = report.to_json_of(fitted.as_ref(), key, input)?;
     json["settings"] = settings.into();
