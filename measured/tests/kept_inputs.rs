@@ -185,7 +185,8 @@ fn faults(path: &Path, right: &Right) -> Vec<String> {
                     Some(rgb) => (rgb[1], 0.01),
                     None => (completion.evaluate(direction(*i, 0.0), direction(*o, *turn))[1], 0.05),
                 };
-                if !((found / f - 1.0).abs() < most) {
+                let apart = (found / f - 1.0).abs();
+                if apart.is_nan() || apart > most {
                     faults.push(format!("f {found} at ({i}, {o}; {turn}), not {f}"));
                 }
             }

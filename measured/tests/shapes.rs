@@ -175,12 +175,12 @@ fn what_may_be_wrong_is_asked_before_a_fit() {
     is_same("along.csv", &turned, &intake("plain.csv", &plain()));
 
     let clipped =
-        lines("theta_i,theta_o,dphi,value", |[i, o, turn, f]| format!("{i},{o},{turn},{}", f.min(0.13)));
+        lines("theta_i,theta_o,dphi,value", |[i, o, turn, f]| format!("{i},{o},{turn},{}", f.min(0.11)));
     let found = intake("clipped.csv", &clipped);
-    let count = found.rows.iter().filter(|row| row.rgb[0] == 0.13).count();
+    let count = found.rows.iter().filter(|row| row.rgb[0] == 0.11).count();
     let text = notes(&found);
     assert!(
-        text.contains(&format!("0.13, stands there {count} times")) && text.contains("--saturated leave-out"),
+        text.contains(&format!("0.11, stands there {count} times")) && text.contains("--saturated leave-out"),
         "{text}"
     );
     assert!(!notes(&intake("plain.csv", &plain())).contains("saturated"));

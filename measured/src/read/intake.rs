@@ -373,22 +373,20 @@ impl Reading {
 
 /// How often the largest value stands there, if it is too often for a measurement.
 fn saturated(rows: &[(Row, f64)]) -> Option<usize> {
-    let mut values: Vec<f64> = rows.iter().map(|row| row.1).collect();
-    values.sort_by(|a, b| b.total_cmp(a));
-    let mut runs = values.chunk_by(|a, b| a == b).map(|run| (run[0], run.len()));
-    let (largest, count) = runs.next()?;
-    let next = runs.take(NEXT).map(|run| run.1).max()?;
-    if largest <= 0.0 || count < OFTEN * next || 2 * count > rows.len() {
-        return None;
-    }
+    let mut sorted: Vec<&(Row, f64)> = rows.iter().collect();
+    sorted.sort_by(|a, b| b.1.total_cmp(&a.1));
     // At the normal one pair of directions has many names.
     let place = |row: &Row| {
         let dot = (0..3).map(|k| row.wi[k] * row.wo[k]).sum::<f64>();
         [row.wi[2], row.wo[2], dot].map(|v| libm::round(1e3 * v) as i64)
     };
-    let places: HashSet<[i64; 3]> =
-        rows.iter().filter(|row| row.1 == largest).map(|row| place(&row.0)).collect();
-    (places.len() >= OFTEN).then_some(count)
+    let places =
+        |run: &[&(Row, f64)]| run.iter().map(|row| place(&row.0)).collect::<HashSet<[i64; 3]>>().len();
+    let mut runs = sorted.chunk_by(|a, b| a.1 == b.1);
+    let largest = runs.next()?;
+    let next = runs.take(NEXT).map(places).max()?;
+    let is_often = largest[0].1 > 0.0 && places(largest) >= OFTEN * next && 2 * largest.len() <= rows.len();
+    is_often.then_some(largest.len())
 }
 
 impl Intake {

@@ -320,6 +320,9 @@ pub fn spectral(bytes: &[u8], conventions: &Conventions) -> Result<Intake, ReadE
     reading.finish()
 }
 
+/// Tables of reflection, each with its total, and lines of values of transmission.
+type Sides = (Vec<(f64, Grid)>, Vec<usize>);
+
 /// The tables of reflection, each with its total, and the lines of the values of transmission.
 ///
 /// Tables behind the surface have theta from 90 degrees on, wherever they stand. Where all angles are below, those of reflection are first.
@@ -328,7 +331,7 @@ fn of_reflection(
     has_both: bool,
     count: usize,
     reading: &mut Reading,
-) -> Result<(Vec<(f64, Grid)>, Vec<usize>), ReadError> {
+) -> Result<Sides, ReadError> {
     let (mut front, mut behind) = (Vec::new(), Vec::new());
     for n in 0..count.saturating_mul(1 + usize::from(has_both)) {
         let total = 0.01 * words.number("a share of the light in per cent")?;
