@@ -15,6 +15,7 @@ pub(crate) mod file;
 pub(crate) mod format_error;
 pub(crate) mod layout;
 pub(crate) mod pack;
+mod spectra;
 pub(crate) mod spectral_map;
 mod validate;
 pub(crate) mod views;

@@ -49,7 +49,7 @@ pub fn fit_content(
     }
 }
 
-/// [`fit_content`] of a measurement that was read, with what is known of its samples beyond their colours: findings about them, and the
+/// [`fit_content`] of a measurement that was read, with the facts of its samples beyond their colours: findings about them, and the
 /// map from colours to spectra, which the material keeps.
 ///
 /// # Errors

@@ -463,10 +463,10 @@ fn hostile_bytes_are_refused_with_the_place() {
     assert_eq!(refused(block, *b"LOBE"), field("tag of a block (lobes come first, once)", block));
     assert_eq!(refused(text, *b"FACT"), field("tag of a block (a second table of factors)", text));
     assert_eq!(refused(block, *b"text"), field("tag of a block (a second provenance)", text));
-    let skipped = with_checksum([&bytes[..block], b"spec", &bytes[block + 4..]].concat());
+    let skipped = with_checksum([&bytes[..block], b"more", &bytes[block + 4..]].concat());
     let material = Material::from_bytes(&skipped).unwrap();
     assert_eq!((material.factor_nodes(), material.provenance()), (None, PROVENANCE));
-    let inserted = [&bytes[..block], b"spec\x05\0\0\0abcde\0\0\0", &bytes[block..]].concat();
+    let inserted = [&bytes[..block], b"more\x05\0\0\0abcde\0\0\0", &bytes[block..]].concat();
     let material = Material::from_bytes(with_checksum(inserted)).unwrap();
     assert_eq!((material.factor_nodes(), material.provenance()), (Some([5, 6, 2]), PROVENANCE));
     for length in [u32::MAX, u32::MAX - 7, 0x7fff_ffff, bytes.len() as u32] {

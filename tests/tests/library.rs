@@ -13,3 +13,4 @@ mod presets;
 mod properties;
 mod room;
 mod sampling;
+mod spectra;

@@ -84,7 +84,7 @@ impl SpectralReport {
         })
     }
 
-    /// What a verdict says, and how good it is.
+    /// The sentence of a verdict, and its grade.
     pub(super) fn sentence(&self) -> (Grade, String) {
         let (error, of_fit) = (self.of_map.error, self.of_fit.error);
         if self.wavelengths.len() == 1 {

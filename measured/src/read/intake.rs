@@ -99,7 +99,7 @@ pub(crate) struct Reading {
     conventions: Conventions,
     cells: Vec<Cells>,
     spectra: Option<SpectralSamples>,
-    /// A value is so many times a number of a spectrum.
+    /// The quotient of a value and a number of a spectrum.
     share: f64,
     has_wavelengths: bool,
     /// The kind of values that the file itself states, if no option says another.

@@ -146,7 +146,7 @@ impl Spectra {
         all.max_by(|a, b| a.1.total_cmp(&b.1)).unwrap_or_default()
     }
 
-    /// Errors by band: blue, green, red, and what the eye does not see.
+    /// Errors by band: blue, green, red, and infrared.
     pub fn bands(&self, errors: &SpectralErrors) -> Vec<BandError> {
         let of = |band: &[f64]| {
             let first = self.wavelengths.partition_point(|w| *w < band[0]);
@@ -196,7 +196,7 @@ pub(crate) struct SpectralSamples {
     visible: Range<usize>,
     /// Samples with the numbers of their rows.
     kept: Vec<(usize, SpectralSample)>,
-    /// One of so many is kept.
+    /// Every sample whose number this divides is kept.
     every: usize,
     count: usize,
 }
@@ -219,7 +219,7 @@ impl SpectralSamples {
         Some(Self { wavelengths, places, weights, visible, kept: Vec::new(), every: 1, count: 0 })
     }
 
-    /// Adds the sample of the next row, whose own values are so many times those of the row.
+    /// Adds the sample of the next row, whose own values are `times` those of the row.
     pub fn add(&mut self, row: &[f64], times: f64, [wi, wo]: [[f64; 3]; 2]) {
         let number = self.count;
         self.count += 1;
