@@ -89,7 +89,6 @@ fn what_cannot_be_rendered_is_refused_by_name() {
     let place = folder("refused");
     write_samples(&place, [0.2, 0.1, 0.05]);
     std::fs::rename(place.join("samples.csv"), place.join("bright.csv")).unwrap();
-    write_samples(&place, [0.0; 3]);
     std::fs::write(place.join("cut.bsdf"), "tensor_file").unwrap();
     std::fs::write(place.join("cut.BINARY"), "abc").unwrap();
     let render = |material: &str, says: &[&str]| {
@@ -98,12 +97,19 @@ fn what_cannot_be_rendered_is_refused_by_name() {
         let ground = ["render", "--scene", "teapot", "--ground-material", material, "-o", "a.exr"];
         refused(&place, &ground, says);
     };
-    render("samples.csv", &["samples.csv", "brightness"]);
     render("cut.bsdf", &["cut.bsdf"]);
     render("cut.BINARY", &["cut.BINARY", "3 bytes"]);
     render("absent.bsdf", &["absent.bsdf"]);
     render("model:phong:shine=3", &["shine"]);
     render("model:blinn", &["blinn"]);
+}
+
+/// Black is a measurement.
+#[test]
+fn black_samples_are_rendered_black() {
+    let place = folder("black");
+    write_samples(&place, [0.0; 3]);
+    assert!(check_furnace(&place, "samples.csv").iter().all(|channel| channel[2].abs() < 1e-6));
 }
 
 #[test]

@@ -57,9 +57,10 @@ fn table(json: &Value) -> Option<Rows<'_>> {
                 let names: Vec<String> = parts.keys().cloned().collect();
                 let columns: Vec<Vec<&Value>> = parts.values().map(cells).collect::<Option<_>>()?;
                 let count = columns.first()?.len();
-                let fits = columns.iter().all(|column| column.len() == count);
-                let rows = (0..count).map(|n| columns.iter().map(|column| column[n]).collect()).collect();
-                fits.then_some((names, rows))
+                if columns.iter().any(|column| column.len() != count) {
+                    return None;
+                }
+                Some((names, (0..count).map(|n| columns.iter().map(|column| column[n]).collect()).collect()))
             }
         },
         _ => None,
