@@ -33,7 +33,7 @@ type Parse = fn(&[u8], &Conventions) -> Result<Intake, ReadError>;
 
 /// Files of other programs: the first byte says of which, the others are the file.
 pub fn formats(bytes: &[u8]) -> bool {
-    const READERS: [Parse; 8] = [
+    const READERS: [Parse; 11] = [
         read::scatter_tables::zemax,
         read::scatter_tables::lighttools,
         read::speos::anisotropic,
@@ -42,6 +42,9 @@ pub fn formats(bytes: &[u8]) -> bool {
         read::alta::parse,
         read::pab_opto::parse,
         read::ssdd::parse,
+        read::fred::parse,
+        read::numpy::parse,
+        read::records::parse,
     ];
     let Some((&which, file)) = bytes.split_first() else { return false };
     scattered(READERS[usize::from(which) % READERS.len()](file, &Conventions::default()))

@@ -56,7 +56,7 @@ fn files() -> Files {
     ] {
         add(&format!("exports/{name}"), text.as_bytes());
     }
-    let others: [(&str, &[u8]); 8] = [
+    let others: [(&str, &[u8]); 11] = [
         ("zemax", include_bytes!("../../corpus/zemax.bsdf")),
         ("lighttools", include_bytes!("../../corpus/lighttools.bsdf")),
         ("speos-anisotropic", include_bytes!("../../corpus/small.anisotropicbsdf")),
@@ -65,6 +65,9 @@ fn files() -> Files {
         ("alta", include_bytes!("../../corpus/alta.dat")),
         ("pgii", include_bytes!("../../corpus/pgii.txt")),
         ("ssdd", include_bytes!("../../corpus/small.ssdd")),
+        ("fred", include_bytes!("../../corpus/small.fred")),
+        ("numpy", include_bytes!("../../corpus/small.npy")),
+        ("records", include_bytes!("../../corpus/records.json")),
     ];
     for (which, (name, file)) in (0u8..).zip(others) {
         add(&format!("formats/{name}"), &[&[which][..], file].concat());
