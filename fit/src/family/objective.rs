@@ -26,7 +26,6 @@ use crate::family::tuning::factors::{AVERAGED, ENERGY};
 use crate::family::tuning::objective::{
     ALBEDO_ERROR, CEILING, CEILING_WEIGHT, MOST_ALBEDO, MOST_FACTOR, MOST_SHORT, SHORT, TAIL_FLOOR,
 };
-use crate::family::unit::dot;
 use crate::judge::energy::EnergyError;
 use crate::judge::measure::{self, brightness};
 use crate::table::{Sample, View, check_bright, check_storable};
@@ -84,13 +83,6 @@ pub(crate) struct Objective<V: Views> {
     factors: Option<Factors>,
 }
 
-/// Sorts points by their distance from the brightest one: most lobes are 0 at a whole panel of far ones, and are left out there.
-fn by_nearness(points: &mut [Point]) {
-    let brightest = points.iter().max_by(|a, b| brightness(a.target).total_cmp(&brightness(b.target)));
-    let Some(peak) = brightest.map(|p| p.direction) else { return };
-    points.sort_by(|a, b| dot(&b.direction, &peak).total_cmp(&dot(&a.direction, &peak)));
-}
-
 impl<V: Views> Objective<V> {
     /// Over views and where they lie. `factors`: the table that multiplies the lobes.
     pub fn over(
@@ -132,8 +124,7 @@ impl<V: Views> Objective<V> {
                 point.weigh(point.base + point.measure, point.tail / (bright(s) + point.floor));
                 point
             });
-            let mut points: Vec<Point> = points.collect();
-            by_nearness(&mut points);
+            let points: Vec<Point> = points.collect();
             Data {
                 place,
                 panels: Panels::new(&points),

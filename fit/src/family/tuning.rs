@@ -53,8 +53,8 @@ pub(crate) mod layout {
 
 /// Lobes at a panel of directions.
 pub(crate) mod lobes {
-    /// Exponent below which a lobe counts as 0 at a whole panel: 1.4e-11 of its peak.
-    pub const NEGLIGIBLE: f64 = -25.0;
+    /// Exponent below which a lobe counts as 0 at a whole panel: 4e-18 of its peak.
+    pub const NEGLIGIBLE: f64 = -40.0;
 }
 
 /// The material that is written.

@@ -108,7 +108,7 @@ impl Resampling {
     }
 }
 
-/// The quality of a shape shows late, so two are kept until the table has been sampled again for each. A shape with more stored
+/// The quality of a shape shows late, so three are kept until the table has been sampled again for each. A shape with more stored
 /// views may end a stage with a needle between the directions of its table.
 const RECIPE: [Line; 8] = {
     use Keep::Best;
@@ -119,20 +119,26 @@ const RECIPE: [Line; 8] = {
         steps: Steps::Fixed(25),
         exchanges: Exchanges::None,
         stiffness: 100.0,
-        improvement: 3e-3,
+        improvement: 1e-3,
         scope: Scope::Thinned,
         resampling: None,
     };
     let exchanging = Line { steps: Over(6), stiffness: 3.0, ..scouting };
-    let refining =
-        Line { steps: Over(4), stiffness: 1.0, improvement: 1e-3, scope: Scope::WholeAndAlbedo, ..scouting };
+    let refining = Line { steps: Over(4), stiffness: 1.0, scope: Scope::WholeAndAlbedo, ..scouting };
     [
         scouting,
         Line { keep: Best(6), steps: Over(4), stiffness: 10.0, ..scouting },
         Line { keep: Best(4), exchanges: Exchanges::TwoThirds, ..exchanging },
         Line { keep: Best(3), exchanges: Exchanges::All, ..exchanging },
-        Line { keep: Best(2), steps: Over(1), scope: Scope::Whole, resampling: Some(First), ..refining },
-        Line { keep: Best(2), resampling: Some(Second), ..refining },
+        Line {
+            keep: Best(3),
+            steps: Over(1),
+            improvement: 5e-4,
+            scope: Scope::Whole,
+            resampling: Some(First),
+            ..refining
+        },
+        Line { keep: Best(3), resampling: Some(Second), ..refining },
         Line { keep: Best(1), resampling: Some(Last), ..refining },
         Line { keep: Keep::One, ..refining },
     ]
