@@ -193,12 +193,3 @@ def test_what_is_missing_is_named():
         mi.load_dict({"type": "srbf"})
     with pytest.raises(Exception, match="nothing.srbf"):
         mi.load_dict({"type": "srbf", "filename": "nothing.srbf"})
-
-
-@pytest.mark.skipif(VARIANT is not None, reason="once")
-def test_spectral_variants_are_refused():
-    code = "import mitsuba as mi; mi.set_variant('scalar_spectral'); import srbf_brdf.mitsuba as s; s.register()"
-    if "scalar_spectral" not in mi.variants():
-        pytest.skip("this Mitsuba has no scalar_spectral")
-    run = subprocess.run([sys.executable, "-c", code], stderr=subprocess.PIPE, text=True)
-    assert run.returncode == 1 and "linear sRGB" in run.stderr
