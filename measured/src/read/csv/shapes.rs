@@ -7,8 +7,8 @@ use super::layout::{Above, SEARCHED, SEPARATORS, fields};
 use super::names::{Role, role};
 use crate::read::Mirror;
 
-/// Larger texts are no tables of these shapes.
-const LARGEST: usize = 1 << 26;
+/// Larger texts are no tables of these shapes. Each number becomes a row of its own, forty times as large.
+const LARGEST: usize = 1 << 22;
 
 /// Longest name.
 const LONGEST: usize = 100;
