@@ -452,6 +452,8 @@ typedef struct srbf_fit_settings {
     /// Nodes of the table of factors over half angle, difference angle and azimuth: 2 or more, 2 or more, 1 or more. All three
     /// `SRBF_FIT_AUTOMATIC`, the default, or all three 0 for a material without factors.
     size_t factor_nodes[3];
+    /// Most bytes of the material, 200 to 1000000: they are spent on factors where that shows. Default: 8000.
+    size_t bytes;
     /// Mean relative L2 error that the fewest lobes are to reach, at most `lobes` of them; 0, the default, for all of them.
     double error;
     /// Weight of the roughness from view to view, 1e-12 to 1000: smaller fits the samples better, larger the directions between

@@ -42,6 +42,8 @@ pub struct srbf_fit_settings {
     /// Nodes of the table of factors over half angle, difference angle and azimuth: 2 or more, 2 or more, 1 or more. All three
     /// `SRBF_FIT_AUTOMATIC`, the default, or all three 0 for a material without factors.
     pub factor_nodes: [usize; 3],
+    /// Most bytes of the material, 200 to 1000000: they are spent on factors where that shows. Default: 8000.
+    pub bytes: usize,
     /// Mean relative L2 error that the fewest lobes are to reach, at most `lobes` of them; 0, the default, for all of them.
     pub error: f64,
     /// Weight of the roughness from view to view, 1e-12 to 1000: smaller fits the samples better, larger the directions between
@@ -71,13 +73,14 @@ pub unsafe extern "C" fn srbf_fit_settings_default(settings: *mut srbf_fit_setti
     guard(|| {
         // SAFETY: the header's contract.
         let out = unsafe { Out::new(settings)? };
-        let Settings { lobes, smoothness, starts, steps, exchanges, .. } = Settings::default();
+        let Settings { lobes, bytes, smoothness, starts, steps, exchanges, .. } = Settings::default();
         out.set(srbf_fit_settings {
             lobes,
             squeezed_lobes: SRBF_FIT_AUTOMATIC,
             mirrored_pairs: SRBF_FIT_AUTOMATIC,
             views: SRBF_FIT_AUTOMATIC,
             factor_nodes: [SRBF_FIT_AUTOMATIC; 3],
+            bytes,
             error: 0.0,
             smoothness,
             starts,
@@ -242,6 +245,7 @@ unsafe fn settings(given: *const srbf_fit_settings) -> Result<Settings, Failure>
     };
     Ok(Settings {
         lobes: given.lobes,
+        bytes: given.bytes,
         error: (given.error != 0.0).then_some(given.error),
         squeezed: number(given.squeezed_lobes),
         mirrored: number(given.mirrored_pairs),

@@ -1,6 +1,7 @@
 //! The options of a fit.
 
 use crate::FitError;
+use srbf_core::encoded_len;
 use std::f64::consts::FRAC_PI_2;
 use std::ops::RangeInclusive;
 use std::str::FromStr;
@@ -55,6 +56,11 @@ pub struct Settings {
     pub view_angles: Option<Vec<f64>>,
     /// The table of factors that the lobes are multiplied by. Isotropic surfaces only. Default: [`FactorNodes::Chosen`].
     pub factors: FactorNodes,
+    /// Most bytes of the material, without its provenance and its spectra, from 200 to 1 000 000. Isotropic surfaces only. Default: 8000.
+    ///
+    /// Twelve lobes at fifteen views take 4.3 kB. The rest is for factors, as far as they are worth it; a table of 15 kB is the largest.
+    /// Where the lobes alone take more, fewer are used.
+    pub bytes: usize,
     /// Name of the source, hash and the like: the first lines of the material's provenance.
     pub provenance: String,
 }
@@ -133,6 +139,7 @@ impl Default for Settings {
             views: None,
             view_angles: None,
             factors: FactorNodes::Chosen,
+            bytes: 8000,
             provenance: String::new(),
         }
     }
@@ -172,6 +179,7 @@ impl Settings {
                 "from 2 to 32 nodes along either angle, and 1 to 8 along the azimuth, 2 to 8 if it is signed",
             )?;
         }
+        range("bytes", (200..=1_000_000).contains(&self.bytes), "from 200 to 1000000")?;
         range("views", self.views.is_none_or(|n| (2..=256).contains(&n)), "from 2 to 256")
     }
 
@@ -184,6 +192,7 @@ impl Settings {
         range("views", self.views.is_none(), reason)?;
         range("mirrored", self.mirrored.is_none(), reason)?;
         range("exchanges", self.exchanges == Self::default().exchanges, reason)?;
+        range("bytes", self.bytes == Self::default().bytes, reason)?;
         range("factors", !matches!(self.factors, FactorNodes::Given(_) | FactorNodes::Signed(_)), reason)
     }
 
@@ -196,6 +205,18 @@ impl Settings {
     pub(crate) fn lobes_of_size(&self) -> usize {
         let is_paid = self.views.is_none() && PAID_IN_VIEWS.contains(&self.lobes);
         if is_paid { *PAID_IN_VIEWS.end() } else { self.lobes }
+    }
+
+    /// The same with no more lobes than the bytes have room for at their views.
+    ///
+    /// # Errors
+    /// [`FitError::Setting`] if there is no room for one.
+    pub(crate) fn within_bytes(&self) -> Result<Self, FitError> {
+        let views = self.view_angles.as_ref().map_or(self.view_count(), Vec::len);
+        let lobes = (1..=self.lobes).rev().find(|&lobes| encoded_len(views, lobes, 0, "") <= self.bytes);
+        let least = || format!("{views} views of one lobe take {}", encoded_len(views, 1, 0, ""));
+        let lobes = lobes.ok_or_else(|| FitError::Setting { name: "bytes", reason: least() })?;
+        Ok(self.with_lobes(lobes))
     }
 
     /// The same with another number of lobes, of which no more are squeezed or mirrored than there are.
@@ -242,6 +263,7 @@ impl Settings {
             "steps": self.steps,
             "exchanges": self.exchanges,
             "views": self.views,
+            "bytes": self.bytes,
             "factors": match self.factors {
                 FactorNodes::None => serde_json::json!("none"),
                 FactorNodes::Chosen => serde_json::json!("chosen"),
@@ -283,6 +305,7 @@ mod tests {
             ("exchanges", format!("Default: {}.", settings.exchanges)),
             ("views", format!("Default: `None`, which stands for {}.", settings.view_count())),
             ("view_angles", "Default: `None`".into()),
+            ("bytes", format!("Default: {}.", settings.bytes)),
             ("factors", format!("Default: [`FactorNodes::{:?}`].", settings.factors)),
         ] {
             assert!(documented(field).contains(&says), "{field}: {says} is not in: {}", documented(field));
@@ -297,6 +320,7 @@ mod tests {
             ("views", Settings { views: Some(9), ..default() }),
             ("mirrored", Settings { mirrored: Some(0), ..default() }),
             ("exchanges", Settings { exchanges: 3, ..default() }),
+            ("bytes", Settings { bytes: 5000, ..default() }),
             ("factors", Settings { factors: FactorNodes::Given([4, 3, 1]), ..default() }),
         ] {
             let error = settings.check_anisotropic().unwrap_err().to_string();
@@ -309,6 +333,19 @@ mod tests {
         let size = |lobes, views| Settings { lobes, views, ..Settings::default() }.lobes_of_size();
         assert_eq!([4, 6, 11, 12, 13].map(|lobes| size(lobes, None)), [4, 12, 12, 12, 13]);
         assert_eq!(size(6, Some(15)), 6);
+    }
+
+    #[test]
+    fn lobes_that_have_no_room_are_left_out() {
+        let within = |bytes| Settings { bytes, ..Settings::default() }.within_bytes().map(|s| s.lobes);
+        assert_eq!(within(8000).ok(), Some(12));
+        let few = within(2000).unwrap_or_default();
+        assert!(encoded_len(15, few, 0, "") <= 2000 && encoded_len(15, few + 1, 0, "") > 2000, "{few}");
+        let error = within(200).map_err(|error| error.to_string());
+        assert!(
+            error.as_ref().is_err_and(|text| text.contains("bytes") && text.contains("take")),
+            "{error:?}"
+        );
     }
 
     #[test]

@@ -201,7 +201,7 @@ fn examine(
         row.visible = found.visible();
         row.ripple = found.ripple[0].chroma / found.ripple[1].chroma.max(1e-4);
         row.skirt = found.skirt.chroma;
-        row.noise = 100.0 * found.noise.luminance;
+        row.noise = 100.0 * found.noise().luminance;
     }
     let even =
         evaluation_views::judging_table(brdf, &evaluation_views::even_views(GGX_VIEWS)[..GGX_VIEWS - 1])?;

@@ -137,6 +137,7 @@ def fit(
     starts: int | None = None,
     steps: int | None = None,
     exchanges: int | None = None,
+    bytes: int | None = None,
     symmetry: Symmetry | None = None,
     provenance: str = "",
     progress: bool | Callable[[float], object] | None = None,

@@ -52,12 +52,12 @@ impl From {
 /// floats or one. It is called some million times, from one thread at a time.
 ///
 /// `lobes`: 1 to 64. `error`: the mean relative L2 error that is asked for; as few lobes as reach it are used, at most `lobes`. `views`:
-/// how many mixtures are stored. `factors`: "chosen", "none", or the numbers of nodes `(half, difference, azimuth)`, also as "24x6x3"; "24x6x5s" for signed ones. `symmetry`: of a function,
+/// how many mixtures are stored. `bytes`: how many the material has at most; they are spent on factors where that shows. `factors`: "chosen", "none", or the numbers of nodes `(half, difference, azimuth)`, also as "24x6x3"; "24x6x5s" for signed ones. `symmetry`: of a function,
 /// "isotropic", which is usual, "quadrant", "half turn" or "none"; other sources have their own. `progress`: True shows a bar, False nothing; a function is called with the share that is
 /// done, 0 to 1. An interruption (Ctrl-C, or the stop button of a notebook) ends the fit.
 #[pyfunction]
 #[pyo3(signature = (source, *, lobes = 12, error = None, views = None, factors = None, squeezed = None, mirrored = None,
-    smoothness = None, starts = None, steps = None, exchanges = None, symmetry = None, provenance = "", progress = None))]
+    bytes = None, smoothness = None, starts = None, steps = None, exchanges = None, symmetry = None, provenance = "", progress = None))]
 #[allow(clippy::too_many_arguments)] // they are keywords, as Python has them
 pub fn fit<'py>(
     py: Python<'py>,
@@ -68,6 +68,7 @@ pub fn fit<'py>(
     factors: Option<&Bound<'py, PyAny>>,
     squeezed: Option<usize>,
     mirrored: Option<usize>,
+    bytes: Option<usize>,
     smoothness: Option<f64>,
     starts: Option<usize>,
     steps: Option<usize>,
@@ -82,6 +83,7 @@ pub fn fit<'py>(
         error,
         squeezed,
         mirrored,
+        bytes: bytes.unwrap_or(usual.bytes),
         smoothness: smoothness.unwrap_or(usual.smoothness),
         starts: starts.unwrap_or(usual.starts),
         steps: steps.unwrap_or(usual.steps),

@@ -9,11 +9,11 @@ mod problem;
 pub(crate) mod size;
 
 use crate::family::layout::{Layout, Views};
-use crate::family::tuning::factors::{MORE_NODES, NODES};
+use crate::family::tuning::factors::{LEFT_OUT, MORE_NODES, NODES, SMOOTH, SMOOTHER};
 use crate::numeric::vector;
 use problem::Problem;
 use rayon::prelude::*;
-pub(crate) use size::Size;
+pub(crate) use size::{Asked, Size};
 
 /// Code of the largest factor of a table: factors are stored as the squares of codes.
 const MOST_CODE: f64 = 255.0;
@@ -22,9 +22,14 @@ const MOST_CODE: f64 = 255.0;
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct Factors {
     size: Size,
+    /// Weight of squared second differences over that of squared errors.
+    smoothness: f64,
     /// Linear sRGB, the difference angle fastest, then the half angle.
     nodes: Vec<[f64; 3]>,
 }
+
+/// The smallest size.
+const ONE: Size = Size::reciprocal([2, 2, 1]);
 
 /// Corners of a cell of nodes.
 const CORNERS: usize = 8;
@@ -109,6 +114,11 @@ impl Factors {
         self.size
     }
 
+    /// The best of its size and smoothness for other demands.
+    pub fn refitted(&self, demands: &[Demand]) -> Self {
+        Self::fit(self.size, self.smoothness, demands)
+    }
+
     /// The nodes, the difference angle fastest, then the half angle.
     pub fn nodes(&self) -> Vec<[f32; 3]> {
         self.nodes.iter().map(|n| n.map(|v| v as f32)).collect()
@@ -149,10 +159,10 @@ impl Factors {
     }
 
     /// The best factors for the demands, rounded as they are stored.
-    pub fn fit(size: Size, demands: &[Demand]) -> Self {
-        let solved = Problem::new(size, demands).solve();
+    pub fn fit(size: Size, smoothness: f64, demands: &[Demand]) -> Self {
+        let solved = Problem::new(size, smoothness, demands).solve();
         let nodes = (0..solved.len()).map(|n| solved[own(size, n)]).collect();
-        let mut factors = Self { size, nodes };
+        let mut factors = Self { size, smoothness, nodes };
         factors.round();
         factors
     }
@@ -173,25 +183,40 @@ impl Factors {
         demands.iter().map(square).sum()
     }
 
-    /// The smallest table that is worth its bytes for the demands: one with more nodes has to leave less of the error, the more
-    /// nodes it has.
-    pub fn worthwhile(sizes: &[Size], demands: &[Demand]) -> Option<Self> {
-        let fit = |size: &Size| {
-            let factors = Self::fit(*size, demands);
-            (factors.cost(demands), factors)
-        };
-        let tables: Vec<(f64, Self)> = sizes.par_iter().map(fit).collect();
-        let mut best: Option<(f64, Self)> = None;
-        for (cost, table) in tables {
-            let is_better = |(least, before): &(f64, Self)| {
-                let more = (table.nodes.len() - before.nodes.len()) as f64 / NODES;
-                cost < libm::pow(MORE_NODES, 2.0 * more) * least
+    /// The smallest table of those sizes that is worth its bytes: one with more nodes has to leave less of the error at views that it has not
+    /// seen, the more nodes it has. Then the smoothness is chosen in the same way. Also every size that was `tried`, with the share of the
+    /// error that it leaves there.
+    pub fn worthwhile(
+        tried: &[Size],
+        is_small_enough: impl Fn(Size) -> bool,
+        demands: &[Demand],
+    ) -> Option<(Self, Vec<(Size, f64)>)> {
+        let (left_out, kept): (Vec<Demand>, Vec<Demand>) =
+            demands.iter().partition(|d| d.view % LEFT_OUT == 1);
+        let cost = |size: Size, smoothness: f64| Self::fit(size, smoothness, &kept).cost(&left_out);
+        let costs: Vec<f64> = tried.par_iter().map(|size| cost(*size, SMOOTH)).collect();
+        let mut best: Option<(f64, Size)> = None;
+        for (cost, size) in costs.iter().zip(tried).filter(|tried| is_small_enough(*tried.1)) {
+            let is_better = |(least, before): &(f64, Size)| {
+                let more = (size.count() as f64 - before.count() as f64) / NODES;
+                *cost < libm::pow(MORE_NODES, 2.0 * more) * least
             };
             if best.as_ref().is_none_or(is_better) {
-                best = Some((cost, table));
+                best = Some((*cost, *size));
             }
         }
-        best.map(|(_, table)| table)
+        let (least, size) = best?;
+        let without =
+            Self { size: ONE, smoothness: SMOOTH, nodes: vec![[1.0; 3]; ONE.count()] }.cost(&left_out);
+        let left = |cost: f64| libm::sqrt(cost / without.max(1e-300));
+        let curve = tried.iter().zip(&costs).map(|(size, cost)| (*size, left(*cost))).collect();
+        let smoother = SMOOTHER.map(|times| times * SMOOTH);
+        let costs: Vec<f64> = smoother.par_iter().map(|smoothness| cost(size, *smoothness)).collect();
+        let mut best = (least, SMOOTH);
+        for tried in costs.into_iter().zip(smoother) {
+            best = if tried.0 < best.0 { tried } else { best };
+        }
+        Some((Self::fit(size, best.1, demands), curve))
     }
 }
 
@@ -242,7 +267,7 @@ mod tests {
                 [1.0 + 0.5 * libm::sin(4.0 * half), 1.0 + 0.3 * difference + 0.3 * share, 0.5 + 0.5 * share]
             };
             let demands = demands(truth);
-            let factors = Factors::fit(Size::reciprocal(size), &demands);
+            let factors = Factors::fit(Size::reciprocal(size), SMOOTH, &demands);
             for d in &demands {
                 let found = factors.at(d.wi, d.wo);
                 for c in 0..3 {
@@ -278,11 +303,15 @@ mod tests {
         });
         demands.iter_mut().for_each(|d| d.by_energy = [1e-3; 3]);
         let size = Size::reciprocal([8, 4, 2]);
-        let problem = Problem::new(size, &demands);
+        let problem = Problem::new(size, SMOOTH, &demands);
         let solved = problem.solve();
-        let factors = Factors { size, nodes: (0..solved.len()).map(|n| solved[own(size, n)]).collect() };
+        let factors = Factors {
+            size,
+            smoothness: SMOOTH,
+            nodes: (0..solved.len()).map(|n| solved[own(size, n)]).collect(),
+        };
         let least = whole(&factors, &demands);
-        assert!(least < 0.5 * whole(&Factors::fit(size, &[]), &demands));
+        assert!(least < 0.5 * whole(&Factors::fit(size, SMOOTH, &[]), &demands));
         for n in (0..solved.len()).filter(|&n| own(size, n) == n) {
             // Within the bounds.
             for by in [-0.01, 0.01].into_iter().filter(|by| factors.nodes[n][1] + by >= 0.0) {
@@ -296,7 +325,7 @@ mod tests {
 
     #[test]
     fn where_there_are_no_data_the_factor_is_one() {
-        let factors = Factors::fit(Size::reciprocal([16, 6, 3]), &[]);
+        let factors = Factors::fit(Size::reciprocal([16, 6, 3]), SMOOTH, &[]);
         // As they are stored, in f32: the solution is 1 but for the rounding of its sums.
         assert!(factors.nodes().iter().flatten().all(|f| *f == 1.0));
     }
@@ -304,7 +333,7 @@ mod tests {
     #[test]
     fn the_mean_of_a_diffuse_term_is_by_the_cosine() {
         let layout = line::Layout::new(1, 0, 0, vec![0.0]);
-        let mut factors = Factors::fit(Size::reciprocal([16, 6, 3]), &[]);
+        let mut factors = Factors::fit(Size::reciprocal([16, 6, 3]), SMOOTH, &[]);
         let q = vec![0.0; layout.stride()];
         assert!(factors.means(&layout, &q, 0.5, AVERAGED).iter().flatten().all(|m| (m - 1.0).abs() < 1e-9));
         factors.nodes.iter_mut().for_each(|n| n[1] = 3.0);
@@ -335,7 +364,7 @@ mod tests {
     #[test]
     fn means_over_lobes_of_both_kinds_are_by_their_values() {
         let size = Size::reciprocal([16, 6, 3]);
-        let mut factors = Factors::fit(size, &[]);
+        let mut factors = Factors::fit(size, SMOOTH, &[]);
         let nodes = factors.nodes.len();
         let vary = |n: usize| [1.0 + 0.5 * libm::sin(own(size, n) as f64 / nodes as f64 * 20.0); 3];
         factors.nodes.iter_mut().enumerate().for_each(|(n, node)| *node = vary(n));

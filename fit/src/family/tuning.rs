@@ -68,17 +68,26 @@ pub(crate) mod factors {
     use crate::family::factors::size::Size;
 
     /// Nodes over half angle, difference angle and azimuth of the tables that are tried, smallest first.
-    pub const SIZES: [Size; 5] = [
+    pub const SIZES: [Size; 10] = [
         Size::reciprocal([16, 6, 1]),
         Size::reciprocal([16, 6, 3]),
         Size::reciprocal([24, 6, 3]),
         Size::signed([16, 6, 5]),
         Size::signed([24, 6, 5]),
+        Size::signed([24, 9, 5]),
+        Size::signed([24, 12, 5]),
+        Size::signed([32, 12, 5]),
+        Size::signed([32, 16, 5]),
+        Size::signed([32, 16, 7]),
     ];
+    /// One of so many views is left out where size and smoothness are chosen.
+    pub const LEFT_OUT: usize = 3;
     /// Largest factor.
     pub const LARGEST: f64 = 8.0;
     /// Weight of squared second differences over that of squared errors: without data a factor continues its neighbours.
     pub const SMOOTH: f64 = 3e-8;
+    /// Multiples of that weight that are tried: a table of measurements may have rings of its own.
+    pub const SMOOTHER: [f64; 3] = [10.0, 100.0, 1000.0];
     /// Weight of the squared distance from 1: far from data a factor ends at 1.
     pub const PULL: f64 = 3e-8;
     /// Weight of the albedo beside the squared errors. With ten times as much, weights of chm_mint are 40, not 10.
@@ -86,11 +95,12 @@ pub(crate) mod factors {
     /// Turns of factors and lobes on one table. The steps of the solver are shared out.
     pub const TURNS: usize = 4;
     /// Largest share of the error that a larger table may leave, for every `NODES` nodes that it adds.
-    pub const MORE_NODES: f64 = 0.985;
+    pub const MORE_NODES: f64 = 0.995;
     /// Nodes to which that share belongs.
     pub const NODES: f64 = 130.0;
-    /// Sweeps of the coordinate descent.
+    /// Most sweeps of the coordinate descent, and the step of a node below which it ends.
     pub const SWEEPS: usize = 400;
+    pub const STILL: f64 = 1e-4;
     /// Directions of a lobe over which factors are averaged in the search.
     pub const AVERAGED: usize = 200;
     /// The same for stored albedos. The fewer directions of the search leave them 2 % off at grazing angles.

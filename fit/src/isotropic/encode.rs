@@ -12,11 +12,11 @@ use rayon::prelude::*;
 use srbf_core::{FactorTable, Line, PlaneLobe, View, encoded_len};
 use std::f64::consts::FRAC_PI_2;
 
-/// Views that take no more bytes than those of a layout with `lobes` lobes, none of which stands for two; at most twice as
-/// many.
-pub(crate) fn views_of_equal_size(layout: &Layout, lobes: usize) -> usize {
+/// Views that take no more bytes than those of a layout with `lobes` lobes, none of which stands for two, and than `most`; at most
+/// twice as many.
+pub(crate) fn views_of_equal_size(layout: &Layout, lobes: usize, most: usize) -> usize {
     let views = layout.views.angles.len();
-    let size = encoded_len(views, lobes, 0, "");
+    let size = encoded_len(views, lobes, 0, "").min(most);
     (views..=2 * views)
         .rev()
         .find(|&n| encoded_len(n, layout.lobes, layout.aside, "") <= size)
@@ -190,12 +190,14 @@ mod tests {
     #[test]
     fn pairs_and_few_lobes_leave_room_for_more_views_and_no_more_than_that() {
         let layout = |lobes, mirrored| Layout::new(lobes, 2, mirrored, (0..14).map(f64::from).collect());
-        assert_eq!(views_of_equal_size(&layout(12, 0), 12), 14);
+        assert_eq!(views_of_equal_size(&layout(12, 0), 12, usize::MAX), 14);
         for (lobes, mirrored, expected) in [(8, 4, 18), (8, 0, 20), (6, 0, 26)] {
-            let views = views_of_equal_size(&layout(lobes, mirrored), 12);
+            let views = views_of_equal_size(&layout(lobes, mirrored), 12, usize::MAX);
             let (size, most) = (|n| encoded_len(n, lobes, mirrored, ""), encoded_len(14, 12, 0, ""));
             assert!(views == expected && size(views) <= most && most < size(views + 1), "{views}");
         }
-        assert_eq!(views_of_equal_size(&layout(2, 0), 12), 28);
+        assert_eq!(views_of_equal_size(&layout(2, 0), 12, usize::MAX), 28);
+        let most = encoded_len(20, 2, 0, "");
+        assert_eq!(views_of_equal_size(&layout(2, 0), 12, most), 20);
     }
 }

@@ -12,7 +12,7 @@ pub(crate) mod schedule;
 mod start;
 
 use crate::clock::Clock;
-use crate::family::factors::{Factors, Size};
+use crate::family::factors::{Asked, Size};
 use crate::family::objective::Emphasis;
 use crate::family::tuning::factors::TURNS;
 use crate::isotropic::balance;
@@ -22,7 +22,7 @@ use crate::isotropic::line::Layout;
 use crate::isotropic::search::candidates::{Work, scout};
 use crate::isotropic::search::finalist::{Finalist, refine, reports};
 use crate::isotropic::tuning::schedule::HEAVY_TAIL;
-use crate::isotropic::tuning::search::{MORE_ENERGY, MORE_TAIL, MOST_BYTES, MOST_ENERGY};
+use crate::isotropic::tuning::search::{MORE_ENERGY, MORE_TAIL, MOST_ENERGY};
 use crate::judge::report::{Fit, Report};
 use crate::settings::FactorNodes;
 use crate::table::Table;
@@ -67,6 +67,7 @@ pub(crate) fn run(
     mut progress: impl FnMut(f64) + Send,
 ) -> Result<Fit, FitError> {
     let start = Clock::start();
+    let settings = &settings.within_bytes()?;
     let view_angles =
         settings.view_angles.clone().unwrap_or_else(|| source.view_angles(settings.view_count()));
     let table = source.table(&view_angles, None)?;
@@ -76,7 +77,7 @@ pub(crate) fn run(
     let best = problem.improve(finalists, &mut work)?;
     let mut best = problem.finish(best, &mut work)?;
     balance::balance(&best.layout, &mut best.candidate.x, best.factors.as_ref(), source.albedo());
-    let Finalist { layout, table, candidate, factors, .. } = best;
+    let Finalist { layout, table, candidate, factors, curve, .. } = best;
 
     let text = format!("{}{}", settings.provenance, described(settings, &layout));
     let bytes = encode::encode(&layout, &candidate.x, factors.as_ref(), &text)?;
@@ -84,7 +85,10 @@ pub(crate) fn run(
     let evaluations = work.evaluations.into_inner();
     progress(1.0);
     let (seconds, ending) = (start.seconds(), Some(candidate.ending));
-    Ok(Fit { bytes, report: Report { views, seconds, evaluations, ending, ..Report::default() } })
+    Ok(Fit {
+        bytes,
+        report: Report { views, seconds, evaluations, ending, factor_sizes: curve, ..Report::default() },
+    })
 }
 
 /// The last line of the provenance.
@@ -199,28 +203,36 @@ impl<'a> Problem<'a> {
         if let (None, Some(theta)) = (&self.settings.view_angles, self.source.next_to_normal()) {
             moved.add_view(theta);
         }
-        let (sizes, is_given) = match self.settings.factors {
-            FactorNodes::None => (Vec::new(), false),
-            FactorNodes::Chosen => (moved.sizes_within(MOST_BYTES), false),
-            FactorNodes::Given(nodes) => (vec![Size::reciprocal(nodes)], true),
-            FactorNodes::Signed(nodes) => (vec![Size::signed(nodes)], true),
+        let size = match self.settings.factors {
+            FactorNodes::Given(nodes) => Some(Asked::Given(Size::reciprocal(nodes))),
+            FactorNodes::Signed(nodes) => Some(Asked::Given(Size::signed(nodes))),
+            FactorNodes::Chosen => Some(Asked::Within(self.settings.bytes))
+                .filter(|_| moved.has_room_for_factors(self.settings.bytes)),
+            FactorNodes::None => None,
         };
         let rounds = self.source.effort().factor_rounds;
         let Some(stage) = self.stages(LAST).pop() else { return Ok(best) };
         let stage = Stage { keep: 1, resampling: None, ..stage };
         work.total = work.total.max(work.done + rounds * stage.work());
         let mut with: Option<Finalist<'a>> = None;
-        for _ in 0..if sizes.is_empty() { 0 } else { rounds } {
+        // One round more for large weights.
+        for round in 0..rounds + 1 {
+            let Some(size) = size else { break };
+            if round == rounds && with.as_ref().is_none_or(Finalist::has_small_weights) {
+                break;
+            }
             let emphasis =
                 if moved.factors.is_some() && moved.is_near_largest_weight() { FACTORED } else { LAST };
             moved.resample_for_last_stage(self.source)?;
-            self.take_turns(&mut moved, &sizes, (emphasis, &stage), work)?;
+            self.take_turns(&mut moved, size, (emphasis, &stage), work)?;
             moved.resample(self.source, Resampling::Judging)?;
             if with.as_ref().is_none_or(|with| moved.rank() < with.rank()) {
                 with = Some(moved.clone());
             }
         }
-        if let Some(with) = with.filter(|with| is_given || with.is_worth_factors(&best)) {
+        if let Some(with) =
+            with.filter(|with| matches!(size, Some(Asked::Given(_))) || with.is_worth_factors(&best))
+        {
             return Ok(with);
         }
         let mut moved = best.clone();
@@ -233,16 +245,13 @@ impl<'a> Problem<'a> {
     fn take_turns(
         &self,
         finalist: &mut Finalist<'a>,
-        sizes: &[Size],
+        size: Asked,
         (emphasis, stage): (Emphasis, &Stage),
         work: &mut Work<'_>,
     ) -> Result<(), FitError> {
         let part = stage.part(TURNS);
         for _ in 0..TURNS {
-            match finalist.factors.as_ref().map(Factors::size) {
-                Some(size) => finalist.fit_factors(&[size], emphasis)?,
-                None => finalist.fit_factors(sizes, emphasis)?,
-            }
+            finalist.fit_factors(size, emphasis)?;
             refine(self.source, std::slice::from_mut(finalist), emphasis, &part, work)?;
             work.done += part.work();
         }

@@ -96,12 +96,12 @@ pub(crate) mod finalist {
     pub const TOLERATED: f64 = 1.04;
     /// Largest share of the rank with which factors are worth their bytes.
     pub const WORTH_RANK: f64 = 0.93;
+    /// Largest share of the error, or of that away from the peak, with which they are where the rank is not worse.
+    pub const WORTH_ERROR: f64 = 0.85;
 }
 
 /// Rounds after the first.
 pub(crate) mod search {
-    /// Largest material with factors, bytes, without its provenance.
-    pub const MOST_BYTES: usize = 6900;
     /// Factor on the weight of the albedo after it missed its goal.
     pub const MORE_ENERGY: f64 = 10.0;
     /// Largest weight of the albedo: with more, nothing else counts.

@@ -3,15 +3,19 @@
 //!
 //! * *Pictures*: a ball seen from afar, under suns, a spot and a sky. The difference of two colours is that of FLIP
 //!   (Andersson et al. 2020): of display colours, the HyAB distance of Lab with Hunt's adjustment, mapped to 0..1; here
-//!   point by point, without its filters of contrast and edges. A picture's is the mean over the ball up to 80 degrees; the
-//!   least difference that is seen is 0.06, twice that 0.09.
+//!   point by point, without its filters of contrast and edges. A picture's is the mean over the lit points of the ball up to 80
+//!   degrees; the least difference that is seen is 0.06, twice that 0.09.
 //! * *Ripple*: a light stands still, and the view is turned. Errors that change their sign from view to view are seen as
 //!   rings that move with the camera. Colour and logarithm of luminance have means over 8 degrees of the view to either side. The
 //!   measured number is their distance from these means, of the fit and of the table.
 //! * *Skirt*: from 1.5 to 15 degrees from the middle of the highlight, which is where the table is brightest.
-//! * *Ghosts*: light of the fit beyond that, where the table is dark all round, over the mean of the table within 3 degrees
-//!   of the mirror direction.
-//! * *Noise*: how far the table is from its own mean over a cone of 3 degrees, away from the peak.
+//! * *Ghosts*: light of the fit beyond that, where the table is darker all round: the visible difference, under a sun there, from the
+//!   brightest that the table has within 4 degrees.
+//! * *Grain*: how far something is from its own mean over a cone of 3 degrees, away from the peak. Of the table it is noise; what the fit
+//!   has more of it shows as lines and corners.
+//! * *Bite*: near the normal the highlight of a fit may be brighter on one side than on the other: the largest over the least ratio to the
+//!   table, by the azimuth round the mirror direction.
+//! * *Ring*: how much the fit's mean round the highlight rises with the angle from its middle, where the table's does not.
 
 use crate::FitError;
 use crate::judge::fitted_material::TrackedView;
@@ -40,14 +44,29 @@ const BEGIN: f64 = 1.5;
 const END: f64 = 15.0;
 /// Share of the largest channel below 0 from which a channel counts as negative.
 const NEGATIVE: f64 = 0.01;
-/// Directions at which noise is looked at, those of a cone over which the table is averaged, and its half angle, degrees.
-const NOISY: usize = 400;
+/// Directions at which grain is looked at, those of a cone for a mean, and its half angle, degrees.
+const GRAINY: usize = 400;
 const CONE: usize = 12;
 const CONE_ANGLE: f64 = 3.0;
 /// Rings of a ball, points of each, and the angle of the last, degrees.
 const RINGS: usize = 20;
 const POINTS: usize = 40;
 const LAST_RING: f64 = 80.0;
+/// Angles of the suns from the viewer, degrees, and their names.
+const SUNS: [(f64, &str); 5] = [
+    (20.0, "sun at 20 degrees"),
+    (60.0, "sun at 60 degrees"),
+    (100.0, "sun at 100 degrees"),
+    (120.0, "sun at 120 degrees"),
+    (140.0, "sun at 140 degrees"),
+];
+/// Angle of the view, degrees, at which a bite is looked for, those from the mirror direction, and azimuths round it.
+const BITE_VIEW: f64 = 5.0;
+const BITE_ANGLES: [f64; 4] = [1.0, 2.0, 3.0, 4.0];
+const BITE_AZIMUTHS: usize = 16;
+/// Steps of the angle from the middle of a highlight over which a ring is looked for, and azimuths of its mean.
+const RING_STEPS: usize = 30;
+const RING_AZIMUTHS: usize = 8;
 /// Displayed luminance of the brightest fifth of a picture begins here, unless a white surface would be brighter than white by more
 /// than a factor: then all but the highlight is black to an eye too.
 const EXPOSURE: f64 = 0.55;
@@ -78,13 +97,15 @@ pub struct Ripple {
     pub chroma: f64,
 }
 
-/// The table's own noise away from the peak.
+/// How far something is from its own mean over a cone, away from the peak.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Noise {
+pub struct Grain {
     /// Median relative difference of the luminance from the mean over a cone, the mean over the views.
     pub luminance: f64,
     /// That of the colours.
     pub chroma: f64,
+    /// The nine tenth quantile of the sum of both.
+    pub coarse: f64,
 }
 
 /// A fit beside its BRDF.
@@ -98,12 +119,17 @@ pub struct Appearance {
     pub is_dark: bool,
     /// Beside the highlight.
     pub skirt: Skirt,
-    /// Largest ghost over the highlight of the table, and the angle of its view, radians.
+    /// Visible difference of the largest ghost, and the angle of its view, radians.
     pub ghost: (f64, f64),
     /// Along the view angle, of the fit and of the table.
     pub ripple: [Ripple; 2],
-    /// Of the table.
-    pub noise: Noise,
+    /// Of the fit and of the table.
+    pub grain: [Grain; 2],
+    /// Largest over least ratio of fit and table round a mirror direction near the normal.
+    pub bite: f64,
+    /// How many times as bright as nearer to the middle a highlight gets, in the mean round it: of the fit and of the table, at the view where
+    /// the first is most beyond the second.
+    pub ring: [f64; 2],
 }
 
 /// The value of a BRDF with everything that is no value taken as 0, times the cosine.
@@ -129,14 +155,20 @@ fn aside(axis: [f64; 3], angle: f64, turn: f64) -> [f64; 3] {
     [0, 1, 2].map(|k| axis[k] * cos + sin * (u[k] * ct + v[k] * st))
 }
 
-/// The mean of the table over a cone, times the cosine of its axis.
-fn cone_mean(brdf: &dyn Brdf, wi: [f64; 3], theta: f64) -> [f64; 3] {
-    let mut sum = [0.0; 3];
-    for i in 0..CONE {
+/// Directions of a cone, evenly spread.
+fn cone(axis: [f64; 3]) -> impl Iterator<Item = [f64; 3]> {
+    (0..CONE).map(move |i| {
         let angle = CONE_ANGLE.to_radians() * libm::sqrt((i as f64 + 0.5) / CONE as f64);
-        let mut d = aside(wi, angle, GOLDEN_ANGLE * i as f64);
+        aside(axis, angle, GOLDEN_ANGLE * i as f64)
+    })
+}
+
+/// The mean of what is times the cosine over a cone, times the cosine of its axis.
+fn cone_mean(f_cos: impl Fn([f64; 3]) -> [f64; 3], wi: [f64; 3]) -> [f64; 3] {
+    let mut sum = [0.0; 3];
+    for mut d in cone(wi) {
         d[2] = d[2].abs().max(0.02);
-        let value = f_cos(brdf, d, theta);
+        let value = f_cos(d);
         (0..3).for_each(|c| sum[c] += value[c] / d[2] * wi[2] / CONE as f64);
     }
     sum
@@ -149,20 +181,26 @@ impl Appearance {
     /// [`FitError::Core`] for bytes that are no material.
     pub fn new(brdf: &dyn Brdf, material: &Material<impl AsRef<[u8]> + Sync>) -> Result<Self, FitError> {
         let view = |theta: f64| TrackedView::new(material, theta, 0.0);
-        let (mut skirts, mut noises, mut ghost) = (Vec::new(), Vec::new(), (0.0, 0.0));
+        let Pictures { pictures, exposures, of_noise, is_dark } = pictures(brdf, material)?;
+        let (mut skirts, mut grains, mut ghost, mut ring) = (Vec::new(), Vec::new(), (0.0, 0.0), [1.0; 2]);
         for degrees in VIEWS {
             let theta = degrees.to_radians();
-            let fitted = view(theta)?;
-            skirts.push(skirt(brdf, &fitted, theta));
-            noises.push(noise(brdf, theta));
+            let (fitted, highlight) = (view(theta)?, BrightPlace::of(brdf, theta));
+            let (fit, table) = (|wi| fitted.f_cos(wi), |wi| f_cos(brdf, wi, theta));
+            skirts.push(skirt(&table, &fit, &highlight));
+            grains.push([grain(&fit, &highlight), grain(&table, &highlight)]);
+            let rises = [largest_rise(&fit, &highlight), largest_rise(&table, &highlight)];
+            ring = if rises[0] * ring[1] > ring[0] * rises[1] { rises } else { ring };
         }
         for degrees in [30.0f64, 45.0, 60.0, 70.0] {
             let theta = degrees.to_radians();
-            let found = largest_ghost(brdf, &view(theta)?, theta);
+            let found = largest_ghost(brdf, &view(theta)?, theta, &exposures);
             if found > ghost.0 {
                 ghost = (found, theta);
             }
         }
+        let theta = BITE_VIEW.to_radians();
+        let bite = bite(&|wi| f_cos(brdf, wi, theta), &view(theta)?, direction(theta, 0.0));
         let mean =
             |value: &dyn Fn(usize) -> f64| (0..VIEWS.len()).map(value).sum::<f64>() / VIEWS.len() as f64;
         let skirt = Skirt {
@@ -170,9 +208,18 @@ impl Appearance {
             chroma: mean(&|i| skirts[i].chroma),
             negative: skirts.iter().map(|s| s.negative).fold(0.0, f64::max),
         };
-        let noise = Noise { luminance: mean(&|i| noises[i].luminance), chroma: mean(&|i| noises[i].chroma) };
-        let Pictures { pictures, of_noise, is_dark } = pictures(brdf, material)?;
-        Ok(Self { pictures, of_noise, is_dark, skirt, ghost, ripple: ripples(brdf, material)?, noise })
+        let grain = [0, 1].map(|which| Grain {
+            luminance: mean(&|i| grains[i][which].luminance),
+            chroma: mean(&|i| grains[i][which].chroma),
+            coarse: mean(&|i| grains[i][which].coarse),
+        });
+        let ripple = ripples(brdf, material)?;
+        Ok(Self { pictures, of_noise, is_dark, skirt, ghost, ripple, grain, bite, ring })
+    }
+
+    /// The table's own noise.
+    pub fn noise(&self) -> Grain {
+        self.grain[1]
     }
 
     /// Mean visible difference of the pictures: the one number of a fit.
@@ -182,6 +229,8 @@ impl Appearance {
 
     pub(crate) fn to_json(&self) -> Value {
         let ripple = |r: Ripple| json!({"luminance": r.luminance, "chroma": r.chroma});
+        let grain =
+            |g: Grain| json!({"luminance": g.luminance, "chroma": g.chroma, "nine_tenths_below": g.coarse});
         let pictures: serde_json::Map<String, Value> =
             self.pictures.iter().map(|(name, v)| ((*name).to_owned(), json!(v))).collect();
         json!({
@@ -190,9 +239,11 @@ impl Appearance {
             "visible_difference_of_noise": self.of_noise,
             "is_dark_but_for_highlight": self.is_dark,
             "skirt": {"luminance": self.skirt.luminance, "chroma": self.skirt.chroma, "falsely_negative": self.skirt.negative},
-            "ghost": {"over_highlight": self.ghost.0, "view_degrees": self.ghost.1.to_degrees()},
+            "ghost": {"visible_difference": self.ghost.0, "view_degrees": self.ghost.1.to_degrees()},
             "ripple": {"fit": ripple(self.ripple[0]), "table": ripple(self.ripple[1])},
-            "noise": {"luminance": self.noise.luminance, "chroma": self.noise.chroma},
+            "grain": {"fit": grain(self.grain[0]), "table": grain(self.grain[1])},
+            "bite": self.bite,
+            "ring": self.ring,
         })
     }
 }
@@ -203,28 +254,20 @@ struct BrightPlace {
     at: [f64; 3],
     /// The mirror direction.
     mirror: [f64; 3],
-    /// Mean of the table in a cone about the middle.
-    level: f64,
 }
 
 impl BrightPlace {
     fn of(brdf: &dyn Brdf, theta: f64) -> Self {
         let mirror = direction(theta, 0.0);
-        let level = |at: [f64; 3]| {
-            let around = (0..CONE).map(|i| {
-                let angle = CONE_ANGLE.to_radians() * libm::sqrt((i as f64 + 0.5) / CONE as f64);
-                luminance(f_cos(brdf, aside(at, angle, GOLDEN_ANGLE * i as f64), theta))
-            });
-            around.sum::<f64>() / CONE as f64
-        };
+        let level =
+            |at: [f64; 3]| cone(at).map(|wi| luminance(f_cos(brdf, wi, theta))).sum::<f64>() / CONE as f64;
         let value = |wi: &[f64; 3]| luminance(f_cos(brdf, *wi, theta));
         let back = direction(theta, PI);
         let all = searched().filter(|wi| dot(*wi, mirror) < libm::cos(END.to_radians())).chain([back]);
         let brightest = all.max_by(|a, b| value(a).total_cmp(&value(b))).unwrap_or(back);
         let [at_mirror, elsewhere] = [mirror, brightest].map(level);
-        let is_elsewhere = elsewhere > ELSEWHERE * at_mirror;
-        let (at, level) = if is_elsewhere { (brightest, elsewhere) } else { (mirror, at_mirror) };
-        Self { at, mirror, level }
+        let at = if elsewhere > ELSEWHERE * at_mirror { brightest } else { mirror };
+        Self { at, mirror }
     }
 
     /// Whether a direction is of the highlight, or near to the mirror direction.
@@ -242,17 +285,20 @@ fn searched() -> impl Iterator<Item = [f64; 3]> {
         .filter(|wi| wi[2] >= 0.02)
 }
 
+/// `f cos` of one view.
+type FCos<'a> = dyn Fn([f64; 3]) -> [f64; 3] + 'a;
+
 /// Errors from 1.5 to 15 degrees from the highlight's middle, spread evenly over the logarithm of that angle.
-fn skirt(brdf: &dyn Brdf, fitted: &TrackedView<'_>, theta: f64) -> Skirt {
-    let middle = BrightPlace::of(brdf, theta).at;
+fn skirt(table: &FCos<'_>, fit: &FCos<'_>, highlight: &BrightPlace) -> Skirt {
     let (mut luminances, mut chromas, mut negative, mut all) = (Vec::new(), Vec::new(), 0usize, 0usize);
     for i in 0..SKIRT {
         let share = (i as f64 + 0.5) / SKIRT as f64;
-        let wi = aside(middle, (BEGIN * libm::pow(END / BEGIN, share)).to_radians(), GOLDEN_ANGLE * i as f64);
+        let angle = (BEGIN * libm::pow(END / BEGIN, share)).to_radians();
+        let wi = aside(highlight.at, angle, GOLDEN_ANGLE * i as f64);
         if wi[2] < LEAST_COSINE {
             continue;
         }
-        let (value, data) = (fitted.f_cos(wi), f_cos(brdf, wi, theta));
+        let (value, data) = (fit(wi), table(wi));
         let bright = luminance(data);
         if bright > 0.0 {
             luminances.push(((luminance(value) / bright - 1.0).abs(), 1.0));
@@ -267,41 +313,82 @@ fn skirt(brdf: &dyn Brdf, fitted: &TrackedView<'_>, theta: f64) -> Skirt {
     Skirt { luminance: weighted_median(luminances), chroma: weighted_median(chromas), negative }
 }
 
-/// How far the table is from its own mean over a cone.
-fn noise(brdf: &dyn Brdf, theta: f64) -> Noise {
-    let highlight = BrightPlace::of(brdf, theta);
-    let (mut luminances, mut chromas) = (Vec::new(), Vec::new());
-    for i in 0..NOISY {
-        let z = libm::sqrt((i as f64 + 0.5) / NOISY as f64);
+/// How far a view is from its own mean over a cone.
+fn grain(f_cos: &FCos<'_>, highlight: &BrightPlace) -> Grain {
+    let (mut luminances, mut chromas, mut sums) = (Vec::new(), Vec::new(), Vec::new());
+    for i in 0..GRAINY {
+        let z = libm::sqrt((i as f64 + 0.5) / GRAINY as f64);
         let r = libm::sqrt(1.0 - z * z);
         let (sin, cos) = libm::sincos(GOLDEN_ANGLE * i as f64);
         let wi = [r * cos, r * sin, z];
         if z < 0.17 || highlight.has(wi) {
             continue;
         }
-        let (data, mean) = (f_cos(brdf, wi, theta), cone_mean(brdf, wi, theta));
+        let (data, mean) = (f_cos(wi), cone_mean(f_cos, wi));
         if luminance(data) > 0.0 {
-            luminances.push(((luminance(mean) / luminance(data) - 1.0).abs(), 1.0));
-            chromas.push((chroma(mean, data), 1.0));
+            let apart = ((luminance(mean) / luminance(data) - 1.0).abs(), chroma(mean, data));
+            luminances.push((apart.0, 1.0));
+            chromas.push((apart.1, 1.0));
+            sums.push(apart.0 + apart.1);
         }
     }
-    Noise { luminance: weighted_median(luminances), chroma: weighted_median(chromas) }
+    sums.sort_by(f64::total_cmp);
+    let coarse = sums.get(sums.len() * 9 / 10).copied().unwrap_or(0.0);
+    Grain { luminance: weighted_median(luminances), chroma: weighted_median(chromas), coarse }
 }
 
-/// The most that the fit has beyond the skirt above all that the table has within 4 degrees, over the table's mean at the
-/// highlight.
-fn largest_ghost(brdf: &dyn Brdf, fitted: &TrackedView<'_>, theta: f64) -> f64 {
+/// Largest visible difference of the fit, beyond the skirt, from the brightest that the table has within 4 degrees, where the fit is brighter.
+/// The exposure is that of a ball under the sun that stands nearest.
+fn largest_ghost(brdf: &dyn Brdf, fitted: &TrackedView<'_>, theta: f64, exposures: &[(f64, f64)]) -> f64 {
     let highlight = BrightPlace::of(brdf, theta);
     let data = |wi: [f64; 3]| luminance(f_cos(brdf, wi, theta));
+    let wo = direction(theta, PI);
     let mut most: f64 = 0.0;
     for wi in searched().filter(|wi| !highlight.has(*wi)) {
+        let phase = libm::acos(dot(wi, wo).clamp(-1.0, 1.0));
+        let nearest = exposures.iter().min_by(|a, b| (a.0 - phase).abs().total_cmp(&(b.0 - phase).abs()));
+        let scale = nearest.map_or(0.0, |sun| sun.1);
+        let seen = |bright: f64, dark: f64| visible([bright * scale; 3], [dark.max(0.0) * scale; 3]);
         let value = luminance(fitted.f_cos(wi));
         // Most directions have none: the table is asked for where there may be one.
-        if value - data(wi) > most * highlight.level {
+        let here = data(wi);
+        if value > here && seen(value, here) > most {
             let near = (0..8).map(|n| data(aside(wi, 4f64.to_radians(), f64::from(n) * PI / 4.0)));
-            let near = near.fold(data(wi), f64::max);
-            most = most.max((value - near) / highlight.level.max(1e-12));
+            let near = near.fold(here, f64::max);
+            most = if value > near { most.max(seen(value, near)) } else { most };
         }
+    }
+    most
+}
+
+/// Largest over least ratio of fit and table by the azimuth round a direction, in the mean over angles from it.
+fn bite(table: &FCos<'_>, fitted: &TrackedView<'_>, middle: [f64; 3]) -> f64 {
+    let ratio = |n: usize| {
+        let mut sums = [0.0; 2];
+        for degrees in BITE_ANGLES {
+            let wi = aside(middle, degrees.to_radians(), 2.0 * PI * n as f64 / BITE_AZIMUTHS as f64);
+            sums[0] += luminance(fitted.f_cos(wi)).max(0.0);
+            sums[1] += luminance(table(wi)).max(0.0);
+        }
+        (sums[0] + 1e-9) / (sums[1] + 1e-9)
+    };
+    let ratios: Vec<f64> = (0..BITE_AZIMUTHS).map(ratio).collect();
+    let least = ratios.iter().copied().fold(f64::INFINITY, f64::min);
+    ratios.iter().copied().fold(0.0, f64::max) / least
+}
+
+/// How many times as bright as nearer to the middle of a highlight its surroundings get, in the mean round it.
+fn largest_rise(f_cos: &FCos<'_>, highlight: &BrightPlace) -> f64 {
+    let (mut least, mut most) = (f64::INFINITY, 1.0f64);
+    for step in 0..=RING_STEPS {
+        let angle = (END * (step as f64 / RING_STEPS as f64).powi(2)).to_radians();
+        let around = (0..RING_AZIMUTHS).map(|n| {
+            let wi = aside(highlight.at, angle, 2.0 * PI * (n as f64 + 0.5) / RING_AZIMUTHS as f64);
+            if wi[2] > 0.0 { luminance(f_cos(wi)).max(0.0) } else { 0.0 }
+        });
+        let mean = around.sum::<f64>() / RING_AZIMUTHS as f64 + 1e-9;
+        most = most.max(mean / least);
+        least = least.min(mean);
     }
     most
 }
@@ -361,6 +448,7 @@ fn left_over(numbers: &[f64]) -> Vec<f64> {
 }
 
 /// Lights of a picture: directions and radiances.
+#[derive(Clone)]
 struct Lights {
     name: &'static str,
     all: Vec<([f64; 3], [f64; 3])>,
@@ -403,6 +491,8 @@ type Picture = (&'static str, f64);
 /// The pictures in numbers.
 struct Pictures {
     pictures: Vec<Picture>,
+    /// Angles of the suns from the viewer, radians, and the factors on light that their exposures are.
+    exposures: Vec<(f64, f64)>,
     /// Visible difference of the table under the suns beside itself without its noise.
     of_noise: f64,
     /// Whether the table is black under all suns but for its highlight.
@@ -410,19 +500,13 @@ struct Pictures {
 }
 
 fn pictures(brdf: &dyn Brdf, material: &Material<impl AsRef<[u8]> + Sync>) -> Result<Pictures, FitError> {
-    let lights = [
-        Lights::sun("sun at 20 degrees", 20.0),
-        Lights::sun("sun at 60 degrees", 60.0),
-        Lights::sun("sun at 100 degrees", 100.0),
-        Lights::spot(),
-        Lights::sky(),
-    ];
-    const SUNS: usize = 3;
+    let mut lights = SUNS.map(|(degrees, name)| Lights::sun(name, degrees)).to_vec();
+    lights.extend([Lights::spot(), Lights::sky()]);
     // Rings of equal area, up to the last.
     let sin = libm::sin(LAST_RING.to_radians());
     let theta = |ring: usize| libm::asin(sin * libm::sqrt((ring as f64 + 0.5) / RINGS as f64));
-    /// Colours of a point: of the fit, of the table, of that without its noise.
-    type Point = [[f64; 3]; 3];
+    /// Colours of a point: of the fit, of the table, of that without its noise; none where no light comes to it.
+    type Point = Option<[[f64; 3]; 3]>;
     let ring = |ring: usize| -> Result<Vec<Vec<Point>>, FitError> {
         let theta = theta(ring);
         let (sin, cos) = libm::sincos(theta);
@@ -436,15 +520,17 @@ fn pictures(brdf: &dyn Brdf, material: &Material<impl AsRef<[u8]> + Sync>) -> Re
                 // The viewer is at +z, and at -x of the frame of the point.
                 let x = [cos * cp, cos * sp, -sin];
                 let y = [-sp, cp, 0.0];
-                let mut point = [[0.0; 3]; 3];
+                let mut point = None;
                 for (light, radiance) in &lights.all {
                     let wi = [dot(*light, x), dot(*light, y), dot(*light, normal)];
                     if wi[2] <= 1e-3 {
                         continue;
                     }
                     let data = f_cos(brdf, wi, theta);
-                    let smooth = if n < SUNS { cone_mean(brdf, wi, theta) } else { data };
-                    for (sum, value) in point.iter_mut().zip([view.f_cos(wi), data, smooth]) {
+                    let smooth =
+                        if n < SUNS.len() { cone_mean(|wi| f_cos(brdf, wi, theta), wi) } else { data };
+                    let sums = point.get_or_insert([[0.0; 3]; 3]);
+                    for (sum, value) in sums.iter_mut().zip([view.f_cos(wi), data, smooth]) {
                         (0..3).for_each(|c| sum[c] += value[c] * radiance[c]);
                     }
                 }
@@ -455,27 +541,29 @@ fn pictures(brdf: &dyn Brdf, material: &Material<impl AsRef<[u8]> + Sync>) -> Re
         Ok(lights.iter().enumerate().map(of_light).collect())
     };
     let rings = (0..RINGS).into_par_iter().map(ring).collect::<Result<Vec<_>, _>>()?;
-    let mut differences = Vec::new();
+    let (mut differences, mut exposures) = (Vec::new(), Vec::new());
     let (mut of_noise, mut is_dark) = (0.0, true);
     for (n, light) in lights.iter().enumerate() {
-        let points: Vec<Point> = rings.iter().flat_map(|ring| ring[n].iter().copied()).collect();
+        let points: Vec<[[f64; 3]; 3]> =
+            rings.iter().flat_map(|ring| ring[n].iter().flatten().copied()).collect();
         let mut bright: Vec<f64> = points.iter().map(|p| luminance(p[1])).filter(|l| *l > 0.0).collect();
         bright.sort_by(f64::total_cmp);
         let wanted = EXPOSURE / bright.get(bright.len() * 4 / 5).copied().unwrap_or(1.0).max(1e-12);
         // A white surface that faces all of the light.
         let white = light.all.iter().map(|(_, radiance)| luminance(*radiance)).sum::<f64>() / PI;
         let scale = wanted.min(MOST_OVER_WHITE / white);
-        is_dark &= n >= SUNS || scale < wanted;
+        is_dark &= n >= SUNS.len() || scale < wanted;
+        exposures.extend(SUNS.get(n).map(|(degrees, _)| (degrees.to_radians(), scale)));
         let mean = |which: usize| {
             points.iter().map(|p| visible(p[which].map(|v| v * scale), p[1].map(|v| v * scale))).sum::<f64>()
-                / points.len() as f64
+                / points.len().max(1) as f64
         };
         differences.push((light.name, mean(0)));
-        if n < SUNS {
-            of_noise += mean(2) / SUNS as f64;
+        if n < SUNS.len() {
+            of_noise += mean(2) / SUNS.len() as f64;
         }
     }
-    Ok(Pictures { pictures: differences, of_noise, is_dark })
+    Ok(Pictures { pictures: differences, exposures, of_noise, is_dark })
 }
 
 /// Visible difference of two linear sRGB colours as a display shows them, 0 to 1.

@@ -28,8 +28,6 @@ const MORE: f64 = 4.0;
 
 /// Angle from the mirror direction, degrees, from which a direction is away from the peak.
 const PEAK: f64 = 15.0;
-/// Angle from the mirror direction, degrees, up to which colours are compared: farther, tables of measurements are dark and noisy.
-const RING: f64 = 60.0;
 /// Least cosine of values that are compared by their own brightness: at the horizon a share of `f cos` is a share of nothing.
 const LEAST_COSINE: f64 = 0.1;
 
@@ -104,14 +102,14 @@ pub struct RegionErrors {
     /// Median of the error of the luminance beyond 15 degrees, by the cosine. It is relative to that of the data and the floor of
     /// the measure, a hundredth of the mean radiance; NaN as above.
     pub luminance: f64,
-    /// Median of the distance of colours from 15 to 60 degrees: the sum over the channels of the differences of their shares.
+    /// Median of the distance of colours beyond 15 degrees, by the cosine: the sum over the channels of the differences of their shares.
     pub chroma: f64,
 }
 
 /// Compares `f cos` at every sample with one view of a table.
 pub(crate) fn region_errors(values: &[[f64; 3]], view: &View) -> RegionErrors {
     let (sin, cos) = libm::sincos(view.theta);
-    let (peak, far) = (libm::cos(PEAK.to_radians()), libm::cos(RING.to_radians()));
+    let peak = libm::cos(PEAK.to_radians());
     let mut squares = [(0.0, 0.0); 2];
     let (mut luminances, mut chromas) = (Vec::new(), Vec::new());
     let floor = floor(level(view.uncut_albedo).max(0.0));
@@ -127,9 +125,7 @@ pub(crate) fn region_errors(values: &[[f64; 3]], view: &View) -> RegionErrors {
         if is_off && s.direction[2] > LEAST_COSINE {
             let weight = s.weight * s.direction[2];
             luminances.push((relative(luminance(value), luminance(data), floor * s.direction[2]), weight));
-            if from_mirror > far {
-                chromas.push((chroma(value, data), weight));
-            }
+            chromas.push((chroma(value, data), weight));
         }
     }
     let [peak, off_peak] = squares.map(|(d, s)| if s > 0.0 { libm::sqrt(d / s) } else { f64::NAN });

@@ -7,7 +7,7 @@ use crate::judge::method::Fitted;
 use crate::judge::reciprocity::{Reciprocity, reciprocity};
 use crate::judge::report::{Ending, Input, LARGE_ERROR, Report, ViewReport, factor_bytes, mean_error};
 use crate::judge::spectral::SpectralReport;
-use crate::judge::verdict::{Summary, Verdict, steps_matter};
+use crate::judge::verdict::{Summary, Verdict};
 use crate::look::Look;
 use crate::{FitError, Settings};
 use serde_json::{Value, json};
@@ -31,12 +31,6 @@ impl Report {
         note(|v| v.is_too_dark(), "darker than a material can store");
         let is_off = |v: &ViewReport| !v.is_black && !v.is_too_dark() && v.error > LARGE_ERROR;
         note(is_off, "relative L2 error above 50 %");
-        if steps_matter(self) {
-            notes.push(
-                "the fit ended with its steps, not because it gained too little: more of them may help"
-                    .into(),
-            );
-        }
         notes
     }
 
@@ -105,6 +99,7 @@ impl Report {
             "mean_relative_l2": self.mean_error(),
             "mean_relative_l2_held_out": held_out,
             "cross_validation": self.cross_validation.as_ref().map(CrossValidation::to_json),
+            "factor_sizes": self.factor_sizes.iter().map(|(bytes, left)| json!({"bytes": bytes, "share_of_error": left})).collect::<Vec<_>>(),
             "not_measured": self.gaps.as_ref().map(Gaps::to_json),
             "spectra": self.spectra.as_ref().map(SpectralReport::to_json),
             "look": self.look.as_ref().map(Look::to_json),

@@ -7,7 +7,7 @@ mod units;
 
 use crate::judge::appearance::Appearance;
 use crate::judge::reciprocity::Reciprocity;
-use crate::judge::report::{Ending, Report, ViewReport};
+use crate::judge::report::{Report, ViewReport};
 use crate::judge::spectral::{Grade, SpectralReport};
 use crate::table::albedo_bounds::{LEAST, albedos};
 use serde_json::{Value, json};
@@ -84,11 +84,11 @@ const STEEPEST: f64 = 80.0 * std::f64::consts::PI / 180.0;
 
 /// Errors of luminance and of colour by noise of the table.
 fn noise_of_luminance(report: &Report) -> f64 {
-    report.appearance.as_ref().map_or(0.0, |found| found.noise.luminance)
+    report.appearance.as_ref().map_or(0.0, |found| found.noise().luminance)
 }
 
 fn noise_of_chroma(report: &Report) -> f64 {
-    report.appearance.as_ref().map_or(0.0, |found| found.noise.chroma)
+    report.appearance.as_ref().map_or(0.0, |found| found.noise().chroma)
 }
 
 fn no_noise(_: &Report) -> f64 {
@@ -193,9 +193,6 @@ const PEAK: Criterion = Criterion {
     ..L2
 };
 
-/// Median of the measure above which a fit that ran out of steps gets a note.
-const MOST_MEASURE: f64 = 0.05;
-
 /// Reciprocity error of a good fit in the median, and of one that is off.
 const GOOD_RECIPROCITY: f64 = 0.1;
 const MOST_RECIPROCITY: f64 = 0.3;
@@ -282,11 +279,16 @@ const UNSEEN: f64 = 0.09;
 const OF_USE: f64 = 0.25;
 /// Largest ripple of colour over that of the table, and an invisible ripple.
 const MORE_RIPPLE: f64 = 1.3;
-const UNSEEN_RIPPLE: f64 = 0.012;
+const UNSEEN_RIPPLE: f64 = 0.025;
 /// Colour round the highlight, share of false negative channels there, and ghost that are visible.
 const MOST_SKIRT: f64 = 0.06;
 const MOST_NEGATIVE: f64 = 0.05;
-const MOST_GHOST: f64 = 0.1;
+const MOST_GHOST: f64 = 0.3;
+/// Coarse grain of the fit over that of the table, and an invisible one; bite; and ring that are visible.
+const MORE_GRAIN: f64 = 1.3;
+const UNSEEN_GRAIN: f64 = 0.06;
+const MOST_BITE: f64 = 1.6;
+const MOST_RING: f64 = 1.15;
 /// Noise of the luminance that is worth a word, and that is worth one in the sentence.
 const LEAST_NOISE: f64 = 0.04;
 const LOUD_NOISE: f64 = 0.08;
@@ -299,9 +301,35 @@ fn has_rings(found: &Appearance) -> bool {
     fit.chroma > (MORE_RIPPLE * table.chroma).max(UNSEEN_RIPPLE)
 }
 
+/// Whether a highlight has a ring where that of the table has none.
+fn has_ring(found: &Appearance) -> bool {
+    found.ring[0] > MOST_RING && found.ring[1] < 1.0 + 0.5 * (MOST_RING - 1.0)
+}
+
+fn has_creases(found: &Appearance) -> bool {
+    let [fit, table] = found.grain;
+    fit.coarse > (MORE_GRAIN * table.coarse).max(UNSEEN_GRAIN)
+}
+
 /// Whether to use a fit, and its visible errors.
 fn sentence(found: &Appearance, report: &Report) -> String {
     let looks = if found.is_dark { sentence_by_highlight(report) } else { sentence_by_looks(found) };
+    of_samples(with_gaps(looks, report), report)
+}
+
+/// The sentence of a fit of samples says how far samples are off that are left out of their completion.
+fn of_samples(sentence: String, report: &Report) -> String {
+    let Some(completion) = &report.completion else { return sentence };
+    let views = completion.views_left_out.as_ref().map_or(0.0, |views| views.error);
+    let error = completion.samples_left_out.error.max(views);
+    let (advice, rest) = sentence.split_once(": ").unwrap_or(("", &sentence));
+    let advice = if advice == "use it" && error > MOST_BETWEEN { "use it with care" } else { advice };
+    let rest = rest.replace("from the table's", "from those of the completed samples");
+    format!("{advice}: samples that are left out are {:.0} % off; {rest}", 100.0 * error)
+}
+
+/// The sentence of a fit of something that was not measured everywhere says so first.
+fn with_gaps(looks: String, report: &Report) -> String {
     let gaps = report.gaps.as_ref();
     let Some((gaps, share)) = gaps.map(|gaps| (gaps, gaps.mean())).filter(|gaps| gaps.1 >= LEAST_GAPS) else {
         return looks;
@@ -345,9 +373,18 @@ fn sentence_by_looks(found: &Appearance) -> String {
     if found.skirt.chroma > MOST_SKIRT || found.skirt.negative > MOST_NEGATIVE {
         seen.push("a coloured fringe round the highlight".to_owned());
     }
+    if has_creases(found) {
+        seen.push("lines and corners away from the highlight".to_owned());
+    }
+    if found.bite > MOST_BITE {
+        seen.push("a highlight near the normal that lacks a side".to_owned());
+    }
+    if has_ring(found) {
+        seen.push("a ring in the highlight".to_owned());
+    }
     let balls = format!("balls differ by {visible:.3} from the table's, by {most:.3} under a {light}");
-    let is_noisy = found.noise.luminance >= LOUD_NOISE;
-    let noisy = format!("is noisy: {:.0} % off its own mean over 3 degrees", 100.0 * found.noise.luminance);
+    let is_noisy = found.noise().luminance >= LOUD_NOISE;
+    let noisy = format!("is noisy: {:.0} % off its own mean over 3 degrees", 100.0 * found.noise().luminance);
     if is_noisy && visible - found.of_noise <= UNSEEN && seen.is_empty() {
         return format!(
             "use it, and not the table, which {noisy}; {balls}, by {:.3} for that noise alone",
@@ -503,11 +540,17 @@ impl Verdict {
         );
         let is_off = skirt.chroma > MOST_SKIRT || skirt.negative > MOST_NEGATIVE;
         if is_off { &mut self.off } else { &mut self.good }.push(text);
-        if found.noise.luminance >= LEAST_NOISE {
+        let text = format!(
+            "shapes: lines and corners {:.3}, the table's own {:.3}; bite near the normal {:.2}; ring {:.2}, {:.2}",
+            found.grain[0].coarse, found.grain[1].coarse, found.bite, found.ring[0], found.ring[1]
+        );
+        let is_off = has_creases(found) || found.bite > MOST_BITE || has_ring(found);
+        if is_off { &mut self.off } else { &mut self.good }.push(text);
+        if found.noise().luminance >= LEAST_NOISE {
             self.fair.push(format!(
                 "noisy data: off the peak {:.1} % in luminance, {:.3} in colour from their mean over 3 degrees",
-                100.0 * found.noise.luminance,
-                found.noise.chroma
+                100.0 * found.noise().luminance,
+                found.noise().chroma
             ));
         }
     }
@@ -572,13 +615,6 @@ fn is_off(criterion: &Criterion, report: &Report) -> bool {
     }
     let most = criterion.most + (criterion.noise)(report);
     judged(&report.views).chain(judged(&report.held_out)).any(|v| (criterion.number)(v) > most)
-}
-
-/// Whether it matters that the last stage of a fit ended with its steps: there is something to gain.
-pub(crate) fn steps_matter(report: &Report) -> bool {
-    let measure = Spread::of(judged(&report.views), |v| v.measure);
-    report.ending == Some(Ending::Steps)
-        && (measure.is_some_and(|m| m.median > MOST_MEASURE) || CRITERIA.iter().any(|m| is_off(m, report)))
 }
 
 /// Advice that holds for every fit.

@@ -1,6 +1,7 @@
 //! Values of options that several commands take.
 
 use crate::trace::film;
+use crate::trace::scene::SceneName;
 use crate::world::environment::file::Projection;
 use crate::world::environment::{self, Environment};
 use anyhow::{Context, bail};
@@ -33,7 +34,16 @@ pub fn point(text: &str) -> Result<Vec3, String> {
 /// Largest coordinate of a camera.
 const MAX_COORDINATE: f32 = 1e6;
 
-/// Makes the environment of `sky`, `haze`, `constant:VALUE`, or the name of a `.hdr` or `.exr` file of a latitude-longitude map.
+/// The direction at an angle from the viewer of the sphere, above and to the right, as the suns of a verdict stand.
+fn beside_viewer(degrees: f32) -> Vec3 {
+    let standpoint = SceneName::Sphere.standpoint();
+    let back = (standpoint.eye - standpoint.target).normalize();
+    let right = Vec3::Z.cross(back).normalize();
+    let (sin, cos) = degrees.to_radians().sin_cos();
+    cos * back + sin * (0.8 * right + 0.6 * back.cross(right))
+}
+
+/// Makes the environment of `sky`, `haze`, `sun:DEGREES`, `constant:VALUE`, or the name of a `.hdr` or `.exr` file of a latitude-longitude map.
 pub fn environment(text: &str) -> anyhow::Result<Environment> {
     projected_environment(text, Projection::LatLong)
 }
@@ -44,6 +54,12 @@ pub fn projected_environment(text: &str, projection: Projection) -> anyhow::Resu
         "sky" => return Ok(environment::sky::sky()),
         "haze" => return Ok(environment::sky::haze()),
         _ => {}
+    }
+    if let Some(degrees) = text.strip_prefix("sun:") {
+        let degrees: Option<f32> = degrees.parse().ok().filter(|v| (0.0..=180.0).contains(v));
+        let expected =
+            || format!("environment {text}: an angle from 0 to 180 is expected after `sun:`, degrees");
+        return Ok(environment::sky::sun_alone(beside_viewer(degrees.with_context(expected)?)));
     }
     if let Some(value) = text.strip_prefix("constant:") {
         let value = value.parse().ok().filter(|v| *v > 0.0 && *v <= MAX_CONSTANT);
@@ -56,7 +72,7 @@ pub fn projected_environment(text: &str, projection: Projection) -> anyhow::Resu
     }
     let path = Path::new(text);
     if path.extension().is_none() && !path.exists() {
-        bail!("environment {text}: expected sky, haze, constant:VALUE, or a .hdr or .exr file");
+        bail!("environment {text}: expected sky, haze, sun:DEGREES, constant:VALUE, or a .hdr or .exr file");
     }
     environment::file::read(path, projection)
 }

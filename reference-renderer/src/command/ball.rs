@@ -23,7 +23,8 @@ pub struct Args {
     /// The table that it was fitted to, or another material
     #[arg(long, value_name = "FILE|PRESET|MODEL")]
     against: Option<String>,
-    /// The light: sky, haze (the sun spread wide), constant:VALUE, or a latitude-longitude map in a .hdr or .exr file
+    /// The light: sky, haze (the sun spread wide), sun:DEGREES (a sun alone, so far from the viewer, 0 to 180), constant:VALUE, or a
+    /// latitude-longitude map in a .hdr or .exr file
     #[arg(long, default_value = "sky")]
     env: String,
     /// Samples a pixel

@@ -144,6 +144,7 @@ fn check_options(file: &Path, content: &Content, settings: &SettingArgs) -> anyh
                 ("--exchanges", settings.exchanges.is_some()),
                 ("--mirrored", settings.mirrored.is_some()),
                 ("--factors", settings.factors.is_some()),
+                ("--bytes", settings.bytes.is_some()),
             ];
             if let Some((option, _)) = given.iter().find(|option| option.1) {
                 bail!("{}: {option} is for isotropic surfaces; this one is anisotropic", shown(file));

@@ -159,6 +159,13 @@ pub fn print_whole(report: &Report, reciprocity: &Reciprocity, material: Option<
     if let Some(material) = material {
         print_factors(material);
     }
+    if !report.factor_sizes.is_empty() {
+        let sizes = report.factor_sizes.iter().map(|(bytes, left)| format!("{bytes}: {left:.2}"));
+        println!(
+            "bytes with each table of factors, and the share of the error off the peak that it leaves at views left out: {}",
+            sizes.collect::<Vec<_>>().join(", ")
+        );
+    }
 }
 
 /// A fit in words: notes, then the verdict.

@@ -32,6 +32,7 @@ fn says_what_the_crates_say() {
     };
     let settings = Settings::default();
     assert_eq!(default_of("lobes"), format!("{}.", settings.lobes));
+    assert_eq!(default_of("bytes"), format!("{}.", settings.bytes));
     assert_eq!(default_of("starts"), format!("{}.", settings.starts));
     assert_eq!(default_of("steps"), format!("{}.", settings.steps));
     assert_eq!(default_of("exchanges"), format!("{}.", settings.exchanges));

@@ -5,7 +5,7 @@
 //! sums are kept as they are, and the solver carries them along.
 
 use super::{CORNERS, Demand, NodeShares, Size, cell, corners, node, place};
-use crate::family::tuning::factors::{LARGEST, PULL, SMOOTH, SWEEPS};
+use crate::family::tuning::factors::{LARGEST, PULL, STILL, SWEEPS};
 use rayon::prelude::*;
 
 /// Pairs of corners, the second not before the first.
@@ -48,17 +48,17 @@ pub(super) struct Problem {
 }
 
 impl Problem {
-    /// Of a table of that size.
-    pub fn new(size: Size, demands: &[Demand]) -> Self {
+    /// Of a table of that size, with that weight of squared second differences.
+    pub fn new(size: Size, smoothness: f64, demands: &[Demand]) -> Self {
         let count = size.count();
         let mut problem =
             Self { rows: vec![Vec::new(); count], moments: vec![[0.0; 3]; count], albedos: Vec::new() };
-        problem.add_smoothness(size);
+        problem.add_smoothness(size, smoothness);
         problem.add_demands(size, demands);
         problem
     }
 
-    fn add_smoothness(&mut self, size: Size) {
+    fn add_smoothness(&mut self, size: Size, smoothness: f64) {
         let [half, difference, azimuth] = size.nodes;
         for n in 0..self.rows.len() {
             let at = [n / difference % half, n % difference, n / (half * difference)];
@@ -71,7 +71,7 @@ impl Problem {
                         node(size, beside)
                     };
                     let bend = [(beside(0), 1.0), (beside(1), -2.0), (beside(2), 1.0)];
-                    self.add_row(&bend, SMOOTH / azimuth as f64, 0.0);
+                    self.add_row(&bend, smoothness / azimuth as f64, 0.0);
                 }
             }
             // Along the azimuth a first difference too, which is all that there is of two.
@@ -165,14 +165,19 @@ impl Problem {
             for (n, x) in x.iter().enumerate() {
                 errors.iter_mut().zip(of_node(n)).for_each(|(error, slope)| *error += slope * x);
             }
+            let mut farthest: f64 = 0.0;
             for n in 0..count {
                 let coupled: f64 = rows[n].iter().map(|&(j, v)| v * x[j]).sum();
                 let step = (self.moments[n][c] - coupled - product(of_node(n), &errors)) / diagonal[n];
                 let moved = (x[n] + step).clamp(0.0, LARGEST) - x[n];
                 if moved != 0.0 {
+                    farthest = farthest.max(moved.abs());
                     x[n] += moved;
                     errors.iter_mut().zip(of_node(n)).for_each(|(error, slope)| *error += slope * moved);
                 }
+            }
+            if farthest < STILL {
+                break;
             }
         }
         x

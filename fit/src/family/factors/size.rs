@@ -25,3 +25,12 @@ impl Size {
         self.nodes[0] * self.nodes[1] * self.nodes[2]
     }
 }
+
+/// The size that is asked for.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Asked {
+    /// This one.
+    Given(Size),
+    /// The one that is worth its bytes, in a material of at most so many.
+    Within(usize),
+}

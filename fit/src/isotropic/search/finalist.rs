@@ -1,8 +1,8 @@
 //! The best candidate of a shape: its goals, its rank, and the table that is sampled again for it.
 
-use crate::family::factors::{Factors, Size};
+use crate::family::factors::{Asked, Factors, Size};
 use crate::family::objective::Emphasis;
-use crate::family::tuning::factors::SIZES;
+use crate::family::tuning::factors::{SIZES, SMOOTH};
 use crate::isotropic::balance;
 use crate::isotropic::encode;
 use crate::isotropic::line::{Layout, Objective};
@@ -10,7 +10,7 @@ use crate::isotropic::search::candidates::{Candidate, Task, Work, advance};
 use crate::isotropic::search::schedule::{Resampling, Stage, WIDE, side_by_side};
 use crate::isotropic::search::{DrawnBy, Source};
 use crate::isotropic::tuning::finalist::{
-    DOUBLING, MISSED, NEAR_LARGEST, RAMP, STEEPEST, TOLERATED, WIDENED, WORTH_RANK,
+    DOUBLING, MISSED, NEAR_LARGEST, RAMP, STEEPEST, TOLERATED, WIDENED, WORTH_ERROR, WORTH_RANK,
 };
 use crate::judge::report::ViewReport;
 use crate::judge::verdict::{MOST_ENERGY_ERROR, MOST_VARIANCE, MOST_WEIGHT};
@@ -29,9 +29,13 @@ pub(crate) struct Finalist<'a> {
     pub candidate: Candidate,
     /// The table that multiplies its lobes.
     pub factors: Option<Factors>,
+    /// Bytes of the material with each size that was tried, and the share of the error away from the peak that it leaves.
+    pub curve: Vec<(usize, f64)>,
     /// Mean error of values and of the albedo on that table. Beside it: the largest variance of a view; the largest weight, in the end
     /// on the table before too; and the largest error of the albedo at any view.
     error: f64,
+    /// Mean error of luminance and colour away from the peak, at views that are asked for.
+    seen: f64,
     variance: f64,
     largest_weight: f64,
     energy_error: f64,
@@ -51,13 +55,15 @@ impl<'a> Finalist<'a> {
             resampled: None,
             candidate,
             factors: None,
+            curve: Vec::new(),
             error: f64::INFINITY,
+            seen: f64::INFINITY,
             variance: f64::INFINITY,
             largest_weight: f64::INFINITY,
             energy_error: f64::INFINITY,
         };
         // Few lobes, or lobes in pairs, are fewer bytes, which are spent on more views.
-        let views = encode::views_of_equal_size(&new.layout, settings.lobes_of_size());
+        let views = encode::views_of_equal_size(&new.layout, settings.lobes_of_size(), settings.bytes);
         if settings.view_angles.is_none() && views > new.layout.views.angles.len() {
             let denser = new.layout.at(source.view_angles(views));
             new.candidate.x = new.layout.resampled(&new.candidate.x, &denser);
@@ -110,14 +116,20 @@ impl<'a> Finalist<'a> {
         self.error * self.penalty()
     }
 
-    /// The sizes of tables of factors with which the material has at most this number of bytes.
-    pub fn sizes_within(&self, bytes: usize) -> Vec<Size> {
-        SIZES.into_iter().filter(|size| encode::len(&self.layout, Some(*size)) <= bytes).collect()
+    /// Bytes of the material with a table of factors of that size.
+    fn len(&self, size: Size) -> usize {
+        encode::len(&self.layout, Some(size))
+    }
+
+    /// Whether the smallest table of factors has room in that number of bytes.
+    pub fn has_room_for_factors(&self, bytes: usize) -> bool {
+        self.len(SIZES[0]) <= bytes
     }
 
     /// Whether it is worth the bytes of factors that the other one lacks.
     pub fn is_worth_factors(&self, plain: &Self) -> bool {
-        self.rank() < WORTH_RANK * plain.rank()
+        let is_nearer = self.error < WORTH_ERROR * plain.error || self.seen < WORTH_ERROR * plain.seen;
+        self.rank() < WORTH_RANK * plain.rank() || is_nearer && self.rank() < TOLERATED * plain.rank()
     }
 
     /// The rank before the end. Only the weight counts there, because it gets worse if nothing is done.
@@ -157,12 +169,22 @@ impl<'a> Finalist<'a> {
         Ok(Task { table, objective: Cow::Owned(objective), candidate: &mut self.candidate })
     }
 
-    /// Fits factors to the residual of the lobes, with a table of one of these sizes.
-    pub fn fit_factors(&mut self, sizes: &[Size], emphasis: Emphasis) -> Result<(), FitError> {
+    /// Fits factors to the residual of the lobes: with a table as before, at first of the size that is asked for.
+    pub fn fit_factors(&mut self, size: Asked, emphasis: Emphasis) -> Result<(), FitError> {
         let table = self.resampled.as_ref().unwrap_or(&self.table);
         let objective = Objective::new(table, self.layout.clone(), emphasis, self.factors.as_ref())?;
         let demands = objective.reweighed(&self.candidate.x).into_demands(&self.candidate.x);
-        self.factors = Factors::worthwhile(sizes, &demands);
+        self.factors = match (&self.factors, size) {
+            (Some(before), _) => Some(before.refitted(&demands)),
+            (None, Asked::Given(size)) => Some(Factors::fit(size, SMOOTH, &demands)),
+            (None, Asked::Within(bytes)) => {
+                let found = Factors::worthwhile(&SIZES, |size| self.len(size) <= bytes, &demands);
+                found.map(|(factors, curve)| {
+                    self.curve = curve.into_iter().map(|(size, left)| (self.len(size), left)).collect();
+                    factors
+                })
+            }
+        };
         Ok(())
     }
 
@@ -181,8 +203,12 @@ impl<'a> Finalist<'a> {
             source.table(&self.layout.views.angles, Some(DrawnBy { bytes: &bytes, resampling }))?;
         let reports = reports(&bytes, &resampled)?;
         self.error = mean_over_angle(&reports, |report| report.measure + report.energy_error());
-        let asked_for = reports.iter().filter(|view| view.theta < STEEPEST);
-        self.variance = asked_for.map(|view| view.variance).fold(0.0, f64::max);
+        let asked_for = || reports.iter().filter(|view| view.theta < STEEPEST);
+        self.variance = asked_for().map(|view| view.variance).fold(0.0, f64::max);
+        let seen = |view: &ViewReport| view.regions.luminance + view.regions.chroma;
+        let (sum, count) =
+            asked_for().map(seen).filter(|v| v.is_finite()).fold((0.0, 0.0), |s, v| (s.0 + v, s.1 + 1.0));
+        self.seen = sum / f64::max(count, 1.0);
         // A view where the density is too small may be in one table only. Weights before the last resampling are those of lobes that
         // have been moved far since.
         let largest = reports.iter().map(ViewReport::largest_weight_as_summed).fold(0.0, f64::max);

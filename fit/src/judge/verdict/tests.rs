@@ -1,5 +1,7 @@
 use super::*;
+use crate::complete::CompletionReport;
 use crate::complete::Gaps;
+use crate::complete::held_out::HeldOut;
 use crate::judge::measure::RegionErrors;
 
 /// A view without a fault.
@@ -92,19 +94,6 @@ fn what_is_black_or_too_dark_or_not_known_is_not_judged() {
 }
 
 #[test]
-fn steps_matter_where_there_is_something_to_gain() {
-    let ended = |ending, measure, weight| {
-        let mut report = Report { ending: Some(ending), ..report() };
-        report.views.iter_mut().for_each(|v| v.measure = measure);
-        report.views[2].largest_weight = weight;
-        report.notes().iter().any(|note| note.contains("ended with its steps"))
-    };
-    assert!(!ended(Ending::Steps, 0.045, 17.0));
-    assert!(ended(Ending::Steps, 0.055, 17.0) && ended(Ending::Steps, 0.045, 19.0));
-    assert!(!ended(Ending::Converged, 0.055, 19.0));
-}
-
-#[test]
 fn advice_is_what_helps_whatever_the_fit() {
     let mut spiky = report();
     spiky.views[1].largest_weight = 164.0;
@@ -121,7 +110,7 @@ fn advice_is_what_helps_whatever_the_fit() {
 
 /// A fit as it looks.
 fn looks(visible: f64) -> Appearance {
-    use crate::judge::appearance::{Noise, Ripple, Skirt};
+    use crate::judge::appearance::{Grain, Ripple, Skirt};
     Appearance {
         pictures: vec![("sun at 20 degrees", 0.5 * visible), ("sky", 1.5 * visible)],
         of_noise: 0.01,
@@ -129,7 +118,9 @@ fn looks(visible: f64) -> Appearance {
         skirt: Skirt { luminance: 0.05, chroma: 0.03, negative: 0.0 },
         ghost: (0.02, 0.5),
         ripple: [Ripple { luminance: 0.02, chroma: 0.015 }, Ripple { luminance: 0.02, chroma: 0.014 }],
-        noise: Noise { luminance: 0.02, chroma: 0.01 },
+        grain: [Grain { luminance: 0.02, chroma: 0.01, coarse: 0.05 }; 2],
+        bite: 1.1,
+        ring: [1.0; 2],
     }
 }
 
@@ -151,11 +142,21 @@ fn the_sentence_says_whether_to_use_it_and_what_is_seen() {
     ringed.ripple[1].chroma = 0.03;
     assert!(said(ringed).starts_with("use it: "));
     let mut ghostly = looks(0.03);
-    ghostly.ghost = (0.3, 1.0);
+    ghostly.ghost = (0.4, 1.0);
     assert!(said(ghostly).contains("false highlight, viewed at 57 degrees"));
     let mut fringed = looks(0.03);
     fringed.skirt.negative = 0.4;
     assert!(said(fringed).contains("fringe"));
+    let mut shaped = looks(0.03);
+    (shaped.grain[0].coarse, shaped.bite, shaped.ring) = (0.1, 2.0, [1.3, 1.0]);
+    let text = said(shaped.clone());
+    assert!(
+        text.contains("lines and corners") && text.contains("lacks a side") && text.contains("a ring"),
+        "{text}"
+    );
+    // Lines that the table has too are not the fit's.
+    (shaped.grain[1].coarse, shaped.bite, shaped.ring) = (0.1, 1.0, [1.3, 1.2]);
+    assert!(said(shaped).starts_with("use it: "));
     assert!(verdict(&report()).sentence.is_none());
 }
 
@@ -165,7 +166,7 @@ fn noise_of_the_table_is_no_error_of_the_fit_and_is_said() {
     noisy.held_out[0].regions.luminance = 0.2;
     assert!(verdict(&noisy).off[0].starts_with("luminance off the peak"));
     noisy.appearance = noisy.appearance.map(|mut found| {
-        found.noise.luminance = 0.1;
+        found.grain[1].luminance = 0.1;
         found
     });
     let found = verdict(&noisy);
@@ -173,6 +174,21 @@ fn noise_of_the_table_is_no_error_of_the_fit_and_is_said() {
         found.off.is_empty() && found.fair.iter().any(|line| line.starts_with("noisy data")),
         "{found:?}"
     );
+}
+
+#[test]
+fn the_sentence_is_about_samples_where_there_are_some() {
+    let said = |error: f64| {
+        let samples_left_out = HeldOut { error, logarithm: 0.1 };
+        let completion = Some(CompletionReport { samples_left_out, ..CompletionReport::default() });
+        verdict(&Report { appearance: Some(looks(0.03)), completion, ..report() }).lines().remove(0)
+    };
+    assert!(
+        said(0.1).starts_with("use it: samples that are left out are 10 % off; balls differ by 0.030 from those of the completed"),
+        "{}",
+        said(0.1)
+    );
+    assert!(said(0.23).starts_with("use it with care: samples that are left out are 23 % off"));
 }
 
 #[test]
@@ -210,7 +226,7 @@ fn a_mirror_is_judged_by_its_highlight() {
 #[test]
 fn noise_that_is_loud_is_the_tables_and_not_the_fits() {
     let mut noisy = looks(0.12);
-    (noisy.noise.luminance, noisy.of_noise) = (0.1, 0.08);
+    (noisy.grain[1].luminance, noisy.of_noise) = (0.1, 0.08);
     let said = |found: &Appearance| {
         verdict(&Report { appearance: Some(found.clone()), ..report() }).lines().remove(0)
     };

@@ -108,6 +108,7 @@ impl SettingArgs {
             ("--exchanges", self.exchanges.is_some()),
             ("--views", self.views.is_some()),
             ("--factors", self.factors.is_some()),
+            ("--bytes", self.bytes.is_some()),
             ("--error", self.error.is_some()),
         ];
         match ours.iter().chain(others).find(|o| o.1) {
@@ -177,6 +178,7 @@ pub fn fit(
         table.views.iter().map(|v| ViewReport::judge(fitted.as_ref(), v)).collect()
     };
     let report = Report {
+        factor_sizes: Vec::new(),
         views: judge(&views)?,
         held_out: held_out.map(|t| judge(&t)).transpose()?.unwrap_or_default(),
         seconds: start.elapsed().as_secs_f64(),

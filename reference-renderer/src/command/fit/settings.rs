@@ -37,6 +37,9 @@ pub struct SettingArgs {
     /// many more as take the bytes of 12].
     #[arg(long)]
     pub(super) views: Option<usize>,
+    /// Most bytes of the material: they are spent on factors where that shows [default: 8000].
+    #[arg(long, value_name = "N")]
+    pub(super) bytes: Option<usize>,
     /// The table of factors over half angle, difference angle and azimuth that the lobes are multiplied by, `24x6x3` for example, or
     /// `24x10` for the two angles alone; `24x6x5s` for factors that are others where light and viewer change places; `none`; `chosen`:
     /// the gain decides [default: chosen].
@@ -59,6 +62,7 @@ impl SettingArgs {
             steps: self.steps.unwrap_or(default.steps),
             exchanges: self.exchanges.unwrap_or(default.exchanges),
             views: self.views,
+            bytes: self.bytes.unwrap_or(default.bytes),
             factors: self.factors.unwrap_or(default.factors),
             ..default
         }
@@ -88,6 +92,7 @@ mod tests {
             ("`--starts N`", ours.starts.to_string()),
             ("`--steps N`", ours.steps.to_string()),
             ("`--exchanges N`", ours.exchanges.to_string()),
+            ("`--bytes N`", ours.bytes.to_string()),
             ("`--views N`", ours.view_count().to_string()),
         ] {
             let row = format!("| {option} | {default} |");
@@ -114,6 +119,7 @@ mod tests {
             format!("[default: {}]", ours.steps),
             format!("[default: {}]", ours.exchanges),
             format!("[default: {};", ours.view_count()),
+            format!("[default: {}]", ours.bytes),
         ] {
             assert!(text.contains(&default), "{default} is not in: {text}");
         }

@@ -29,7 +29,7 @@ const HAZY_SUN_SHARPNESS: f32 = 40.0;
 
 /// Makes the sky with the disc of the sun.
 pub fn sky() -> Environment {
-    map(|d| clear(d) + disc(d))
+    map(|d| clear(d) + disc(d, sun()) * SUN_COLOUR)
 }
 
 /// Makes the sky whose sun is spread by haze.
@@ -38,6 +38,11 @@ pub fn haze() -> Environment {
         let spread = (HAZY_SUN_SHARPNESS * (d.dot(sun()) - 1.0)).exp();
         clear(d) + SUN_COLOUR * (HAZY_SUN_RADIANCE * spread)
     })
+}
+
+/// Makes a white sun in that direction, alone on a black sky.
+pub fn sun_alone(towards: Vec3) -> Environment {
+    map(|d| disc(d, towards) * Vec3::ONE)
 }
 
 fn map(radiance: impl Fn(Vec3) -> Vec3) -> Environment {
@@ -78,11 +83,11 @@ fn clear(d: Vec3) -> Vec3 {
     colour + vec3(1.0, 0.86, 0.66) * (0.35 * toward_sun.powi(6) + 2.0 * toward_sun.powi(200))
 }
 
-/// The disc of the sun. Its rim is a pixel wide and more, so that the map shows no steps.
-fn disc(d: Vec3) -> Vec3 {
-    let from_centre = d.dot(sun()).clamp(-1.0, 1.0).acos().to_degrees();
+/// Radiance of the disc of the sun, before its colour. Its rim is a pixel wide and more, so that the map shows no steps.
+fn disc(d: Vec3, sun: Vec3) -> f32 {
+    let from_centre = d.dot(sun).clamp(-1.0, 1.0).acos().to_degrees();
     let share = 1.0 - smooth_step(SUN_RADIUS - 0.5, SUN_RADIUS + 0.5, from_centre);
-    SUN_COLOUR * (SUN_RADIANCE * share)
+    SUN_RADIANCE * share
 }
 
 fn smooth_step(from: f32, to: f32, x: f32) -> f32 {
