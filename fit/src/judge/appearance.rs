@@ -127,8 +127,7 @@ pub struct Appearance {
     pub grain: [Grain; 2],
     /// Largest over least ratio of fit and table round a mirror direction near the normal.
     pub bite: f64,
-    /// How many times as bright as nearer to the middle a highlight gets, in the mean round it: of the fit and of the table, at the view where
-    /// the first is most beyond the second.
+    /// How many times as bright as nearer to the middle a highlight gets, in the mean round it, at most: of the fit and of the table.
     pub ring: [f64; 2],
 }
 
@@ -189,8 +188,8 @@ impl Appearance {
             let (fit, table) = (|wi| fitted.f_cos(wi), |wi| f_cos(brdf, wi, theta));
             skirts.push(skirt(&table, &fit, &highlight));
             grains.push([grain(&fit, &highlight), grain(&table, &highlight)]);
-            let rises = [largest_rise(&fit, &highlight), largest_rise(&table, &highlight)];
-            ring = if rises[0] * ring[1] > ring[0] * rises[1] { rises } else { ring };
+            ring =
+                [ring[0].max(largest_rise(&fit, &highlight)), ring[1].max(largest_rise(&table, &highlight))];
         }
         for degrees in [30.0f64, 45.0, 60.0, 70.0] {
             let theta = degrees.to_radians();

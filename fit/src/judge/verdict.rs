@@ -368,7 +368,10 @@ fn sentence_by_looks(found: &Appearance) -> String {
         seen.push("rings of colour that move with the camera".to_owned());
     }
     if found.ghost.0 > MOST_GHOST {
-        seen.push(format!("a false highlight, viewed at {:.0} degrees", found.ghost.1.to_degrees()));
+        seen.push(format!(
+            "light where the table is darker, viewed at {:.0} degrees",
+            found.ghost.1.to_degrees()
+        ));
     }
     if found.skirt.chroma > MOST_SKIRT || found.skirt.negative > MOST_NEGATIVE {
         seen.push("a coloured fringe round the highlight".to_owned());

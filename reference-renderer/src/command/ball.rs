@@ -24,9 +24,9 @@ pub struct Args {
     #[arg(long, value_name = "FILE|PRESET|MODEL")]
     against: Option<String>,
     /// The light: sky, haze (the sun spread wide), sun:DEGREES (a sun alone, so far from the viewer, 0 to 180), constant:VALUE, or a
-    /// latitude-longitude map in a .hdr or .exr file
-    #[arg(long, default_value = "sky")]
-    env: String,
+    /// latitude-longitude map in a .hdr or .exr file; several, separated by commas, stand below each other
+    #[arg(long, default_value = "sky", value_delimiter = ',')]
+    env: Vec<String>,
     /// Samples a pixel
     #[arg(long, default_value_t = ball_sheet::SAMPLES, value_parser = clap::value_parser!(u32).range(1..=1 << 20))]
     spp: u32,
@@ -48,10 +48,13 @@ pub fn run(args: Args) -> anyhow::Result<()> {
     argument::on_threads(args.threads.into(), || {
         let material = LoadedMaterial::load(&args.material)?;
         let against = args.against.as_deref().map(LoadedMaterial::load).transpose()?;
-        let environment = argument::environment(&args.env)?;
+        let environments =
+            args.env.iter().map(|text| argument::environment(text)).collect::<Result<Vec<_>, _>>()?;
         let light =
-            Light { name: &args.env, environment: &environment, samples: args.spp, stops: args.exposure };
-        write(&args.output, &material, against.as_ref(), &light)
+            |(name, environment)| Light { name, environment, samples: args.spp, stops: args.exposure };
+        let lights: Vec<Light<'_>> =
+            args.env.iter().map(String::as_str).zip(&environments).map(light).collect();
+        write(&args.output, &material, against.as_ref(), &lights)
     })
 }
 
@@ -64,7 +67,7 @@ pub fn check_output(path: &Path) -> anyhow::Result<()> {
     output::check_place(path)
 }
 
-/// Draws and writes a picture, and prints its content.
+/// Draws and writes a picture with a row for each light, and prints its content.
 ///
 /// # Errors
 /// As [`ball_sheet::draw`]; names the file that cannot be written.
@@ -72,18 +75,24 @@ pub fn write(
     path: &Path,
     material: &LoadedMaterial,
     against: Option<&LoadedMaterial>,
-    light: &Light<'_>,
+    lights: &[Light<'_>],
 ) -> anyhow::Result<()> {
     let start = Instant::now();
-    let sheet = ball_sheet::draw(material, against, light)?;
-    picture_file::write_png(path, sheet.size, &sheet.rgb)?;
-    let numbers = sheet.difference.map_or_else(String::new, |found| {
-        format!(
-            ", difference of the balls: mean {:.2} % of the mean radiance, root mean square {:.2} %",
-            100.0 * found.mean,
-            100.0 * found.root_mean_square
-        )
-    });
+    let (mut size, mut rgb, mut numbers) = ([0; 2], Vec::new(), String::new());
+    for light in lights {
+        let sheet = ball_sheet::draw(material, against, light)?;
+        size = [sheet.size[0], size[1] + sheet.size[1]];
+        rgb.extend(sheet.rgb);
+        let of = if lights.len() > 1 { format!(" under {}", light.name) } else { String::new() };
+        numbers += &sheet.difference.map_or_else(String::new, |found| {
+            format!(
+                ", difference of the balls{of}: mean {:.2} % of the mean radiance, root mean square {:.2} %",
+                100.0 * found.mean,
+                100.0 * found.root_mean_square
+            )
+        });
+    }
+    picture_file::write_png(path, size, &rgb)?;
     println!("{} in {:.2} s{numbers}", shown(path), start.elapsed().as_secs_f64());
     Ok(())
 }

@@ -143,7 +143,7 @@ fn the_sentence_says_whether_to_use_it_and_what_is_seen() {
     assert!(said(ringed).starts_with("use it: "));
     let mut ghostly = looks(0.03);
     ghostly.ghost = (0.4, 1.0);
-    assert!(said(ghostly).contains("false highlight, viewed at 57 degrees"));
+    assert!(said(ghostly).contains("light where the table is darker, viewed at 57 degrees"));
     let mut fringed = looks(0.03);
     fringed.skirt.negative = 0.4;
     assert!(said(fringed).contains("fringe"));
