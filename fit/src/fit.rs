@@ -60,12 +60,13 @@ pub fn fit_source(
     progress: impl FnMut(f64) + Send,
 ) -> Result<Fit, FitError> {
     let mut fit = fit_content(&source.content, settings, progress)?;
-    let Some(intake) = &source.intake else { return Ok(fit) };
-    fit.report.look = Some(Look::new(intake, fit.report.completion.as_ref()));
-    if let Some(spectra) = &intake.spectra {
+    let intake = source.intake.as_ref();
+    fit.report.look = intake.map(|intake| Look::new(intake, fit.report.completion.as_ref()));
+    if let Some(spectra) = source.spectra() {
         fit.bytes = with_map(&fit.bytes, &spectra.to_map()?)?;
         let material = Material::from_bytes(fit.bytes.as_slice())?;
-        fit.report.spectra = Some(SpectralReport::new(spectra, intake, &material)?);
+        let is_light_fixed = intake.is_some_and(|intake| intake.is_light_fixed);
+        fit.report.spectra = Some(SpectralReport::new(spectra, is_light_fixed, &material)?);
     }
     Ok(fit)
 }

@@ -16,7 +16,7 @@
 //! | `sheen` | `alpha=0.5`: cloth |
 //! | `sgd`, `abc` | `name` of the material, `file` of the fits; else that in the folder that `SRBF_DATA_DIR` names |
 //!
-//! A colour is one number or three, `0.6/0.2/0.1`, linear sRGB. Models from `ross-li` to `sheen` are grey, times the colour `tint=1`.
+//! A colour is one number or three, `0.6/0.2/0.1`, linear sRGB; or a file of text, with a wavelength and a reflectance on each line. Models from `ross-li` to `sheen` are grey, times the colour `tint=1`.
 //!
 //! May import: `error`, `file`, `table`.
 
@@ -52,11 +52,20 @@ pub(super) struct Named {
     pub identity: Vec<u8>,
 }
 
+/// A colour as it is given: linear sRGB, or the file of a spectrum.
+pub(super) enum Given<'a> {
+    Rgb([f64; 3]),
+    File(&'a Path),
+}
+
+/// Three numbers for a colour that is given: linear sRGB, or values at three wavelengths.
+pub(super) type Colours<'a> = &'a mut dyn FnMut(Given<'_>) -> Result<[f64; 3], ReadError>;
+
 /// Makes the model that a text names, the prefix cut off.
-pub(super) fn parse(text: &str) -> Result<Named, FitError> {
+pub(super) fn parse(text: &str, colours: Colours<'_>) -> Result<Named, FitError> {
     let fault = |source| FitError::Read { path: PathBuf::from(format!("{PREFIX}{text}")), source };
     let (model, rest) = text.split_once(':').unwrap_or((text, ""));
-    let mut parameters = Parameters::parse(rest).map_err(fault)?;
+    let mut parameters = Parameters::parse(rest, colours).map_err(fault)?;
     let mut identity = text.as_bytes().to_vec();
     let mut name = model.to_owned();
     let brdf: Result<Box<dyn Brdf + Send>, ReadError> = match model {
@@ -91,19 +100,25 @@ pub(super) fn parse(text: &str) -> Result<Named, FitError> {
     Ok(Named { brdf, name, identity })
 }
 
-/// The file that a named model reads, if it reads one: that of `sgd` and `abc`.
-pub fn file_of(text: &str) -> Option<PathBuf> {
-    let (model, rest) = text.strip_prefix(PREFIX)?.split_once(':')?;
-    ["sgd", "abc"].contains(&model).then_some(())?;
-    fits_file(model, &mut Parameters::parse(rest).ok()?).ok()
+/// The files that a named model may read: the fits of `sgd` and `abc`, and the spectra of colours.
+pub fn files_of(text: &str) -> Vec<PathBuf> {
+    let Some((model, rest)) = text.strip_prefix(PREFIX).and_then(|text| text.split_once(':')) else {
+        return Vec::new();
+    };
+    let mut files: Vec<PathBuf> =
+        rest.split(',').filter_map(|part| part.split_once('=')).map(|(_, value)| value.into()).collect();
+    if ["sgd", "abc"].contains(&model) {
+        files.extend(default_file(model).ok());
+    }
+    files
 }
 
 fn fits_file(model: &str, parameters: &mut Parameters<'_>) -> Result<PathBuf, ReadError> {
-    let name = || default_file(&format!("{model}_fit_params.csv"));
-    parameters.text("file").map_or_else(name, |file| Ok(file.into()))
+    parameters.text("file").map_or_else(|| default_file(model), |file| Ok(file.into()))
 }
 
-fn default_file(name: &str) -> Result<PathBuf, ReadError> {
+fn default_file(model: &str) -> Result<PathBuf, ReadError> {
+    let name = format!("{model}_fit_params.csv");
     std::env::var_os("SRBF_DATA_DIR").map(|folder| Path::new(&folder).join("merl").join(name)).ok_or_else(
         || ReadError::Content("`file=PATH` is needed, or SRBF_DATA_DIR set to the data folder".into()),
     )
@@ -124,6 +139,13 @@ fn dot(a: [f64; 3], b: [f64; 3]) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    pub(super) fn parse(text: &str) -> Result<Named, FitError> {
+        super::parse(text, &mut |given| match given {
+            Given::Rgb(rgb) => Ok(rgb),
+            Given::File(path) => Err(ReadError::Content(path.display().to_string())),
+        })
+    }
     use crate::numeric::random::Random;
     use crate::table::direction;
     use std::f64::consts::PI;

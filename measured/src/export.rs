@@ -16,7 +16,7 @@ use crate::table::{Brdf, Density, Symmetry, Table, evaluation_views};
 pub use bsdf::rgl;
 pub use lobes::Lobes;
 pub use merl::{MERL_MARK, merl};
-pub use samples::{astm, csv};
+pub use samples::{astm, csv, csv_of_spectra};
 
 /// Outgoing directions of samples that are made of a BRDF, and incident ones of each.
 const VIEWS: usize = 16;
@@ -91,12 +91,12 @@ pub fn difference(of: &dyn Brdf, from: &dyn Brdf) -> Result<[(f64, f64); 4], Fit
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::analytic;
     use crate::read;
     use crate::read::Content;
 
     pub(super) fn model(text: &str) -> Box<dyn Brdf + Send> {
-        analytic::parse(text).unwrap().brdf
+        let Content::Evaluable(brdf) = read::read(format!("model:{text}").as_ref()).unwrap().content else { panic!() };
+        brdf
     }
 
     /// Worst of the four errors of a model after a round trip.
@@ -130,7 +130,7 @@ mod tests {
     fn samples_come_back_as_they_were() {
         let table = sampled(model("ggx:alpha=0.2,f0=0.6/0.4/0.2").as_ref()).unwrap();
         let conventions = read::Conventions::default();
-        let parse_csv = read::csv::parse(csv(&table).as_bytes(), &conventions).unwrap();
+        let parse_csv = read::csv::parse(csv(&table, None).as_bytes(), &conventions).unwrap();
         let parse_astm = read::astm::parse(astm(&table).as_bytes(), &conventions).unwrap();
         for (intake, tolerance) in [(parse_csv, 1e-9), (parse_astm, 1e-9)] {
             let back = Table::from_scattered(intake.views()).unwrap();

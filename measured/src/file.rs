@@ -4,6 +4,7 @@
 
 pub(crate) mod decode;
 pub mod rows;
+pub(crate) mod spectrum;
 
 use crate::{FitError, ReadError};
 use std::io::{self, Read};

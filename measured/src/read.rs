@@ -16,9 +16,11 @@ mod gzip;
 pub mod illuminants;
 pub(crate) mod intake;
 pub mod merl;
+mod model;
 pub mod neural;
 mod numbers;
 pub mod numpy;
+mod of_brdf;
 pub mod openmaterial;
 pub mod pab_opto;
 mod reason;
@@ -48,6 +50,7 @@ use srbf_core::printable;
 use std::path::Path;
 
 pub use crate::file::{check_memory, read_at_most, read_if};
+pub use crate::file::spectrum::SpectralCurve;
 pub use crate::row::Row;
 pub use chosen::ChosenWavelengths;
 pub use conventions::{Angles, Conventions, Mirror, Values};
@@ -87,12 +90,31 @@ pub struct Source {
     pub sha256: String,
     /// Samples as they stand in the file, and rows that were left out. `None` for a BRDF.
     pub intake: Option<Intake>,
+    /// The spectra of the colours of a BRDF.
+    of_brdf: Option<Spectra>,
 }
 
 impl Source {
     /// A BRDF.
     pub fn evaluable(brdf: Box<dyn Brdf + Send>, name: String, sha256: String) -> Self {
-        Self { content: Content::Evaluable(brdf), name, sha256, intake: None }
+        Self { content: Content::Evaluable(brdf), name, sha256, intake: None, of_brdf: None }
+    }
+
+    /// The same with spectra of its colours.
+    #[must_use]
+    pub fn with_spectra(self, spectra: Option<Spectra>) -> Self {
+        Self { of_brdf: spectra, ..self }
+    }
+
+    /// The spectra of its samples, if each of these has kept its own.
+    pub fn own_spectra(&self) -> Option<&Spectra> {
+        let intake = self.intake.as_ref()?;
+        intake.spectra.as_ref().filter(|spectra| spectra.samples.len() == intake.rows.len())
+    }
+
+    /// The spectra of its colours, if it has some.
+    pub fn spectra(&self) -> Option<&Spectra> {
+        self.of_brdf.as_ref().or_else(|| self.intake.as_ref()?.spectra.as_ref())
     }
 
     /// Samples of an isotropic surface; `path` is for messages.
@@ -110,7 +132,7 @@ impl Source {
             return Err(FitError::Read { path: path.to_path_buf(), source: ReadError::Content(text) });
         }
         let table = Table::from_scattered(intake.views())?;
-        Ok(Self { content: Content::Samples(table), name, sha256, intake: Some(intake) })
+        Ok(Self { content: Content::Samples(table), name, sha256, intake: Some(intake), of_brdf: None })
     }
 }
 
@@ -137,8 +159,7 @@ pub fn read_with(path: &Path, conventions: &Conventions) -> Result<Source, FitEr
         if *conventions != Conventions::default() {
             return Err(needless(path));
         }
-        let analytic::Named { brdf, name, identity } = analytic::parse(text)?;
-        return Ok(Source::evaluable(brdf, name, sha256(&identity)));
+        return model::read(text);
     }
     let bytes = read_bytes(path, MAX_FILE, |size| ending::check(&ending(path), path, size))?;
     of_bytes(path, &bytes, conventions)
@@ -194,9 +215,10 @@ fn of_bytes(path: &Path, bytes: &[u8], conventions: &Conventions) -> Result<Sour
         }
         Format::Rgl => {
             let file = rgl::parse(bytes).map_err(fault)?;
+            let spectra = file.spectra().cloned();
             let brdf: Box<dyn Brdf + Send> =
                 if file.has_holes() { Box::new(Filled::of_rgl(file)?) } else { Box::new(file) };
-            return Ok(Source::evaluable(brdf, name, sha256));
+            return Ok(Source::evaluable(brdf, name, sha256).with_spectra(spectra));
         }
         Format::Cornell => cornell::parse(bytes, conventions),
         Format::Astm => astm::parse(bytes, conventions),

@@ -333,10 +333,17 @@ impl Table {
         let ending = path.extension().unwrap_or_default().to_string_lossy().to_ascii_lowercase();
         match (&self.source.content, ending.as_str()) {
             (Content::Evaluable(brdf), "binary") => Ok(export::merl(brdf.as_ref())?.bytes),
-            (Content::Evaluable(brdf), "bsdf") => export::rgl(brdf.as_ref(), None),
-            (Content::Evaluable(brdf), "csv") => Ok(export::csv(&export::sampled(brdf.as_ref())?).into()),
+            (Content::Evaluable(brdf), "bsdf") => {
+                export::rgl(brdf.as_ref(), self.source.spectra().filter(|spectra| !spectra.is_grey))
+            }
+            (Content::Evaluable(brdf), "csv") => {
+                Ok(export::csv(&export::sampled(brdf.as_ref())?, self.source.spectra()).into())
+            }
             (Content::Evaluable(brdf), "astm") => Ok(export::astm(&export::sampled(brdf.as_ref())?).into()),
-            (Content::Samples(table), "csv") => Ok(export::csv(table).into()),
+            (Content::Samples(table), "csv") => Ok(match self.source.own_spectra() {
+                Some(own) => export::csv_of_spectra(own).into(),
+                None => export::csv(table, self.source.spectra()).into(),
+            }),
             (Content::Samples(table), "astm") => Ok(export::astm(table).into()),
             (Content::Samples(_), "binary" | "bsdf") => {
                 refuse("scattered samples have no value in between; fit them, and save the material so")

@@ -4,6 +4,7 @@
 
 pub mod ball;
 pub mod camera;
+pub mod carried;
 pub mod cast;
 pub mod film;
 pub mod frame;

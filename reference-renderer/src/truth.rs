@@ -13,7 +13,7 @@ use crate::truth::guided::Guide;
 use crate::truth::measured::MeasuredMaterial;
 use crate::truth::stored::Bytes;
 use glam::DVec3;
-use srbf_core::{MAX_LOBES, Material, Mixture};
+use srbf_core::{MAX_LOBES, Material, Mixture, SpectralMap};
 use srbf_fit::table::{Brdf, Draws, Symmetry};
 use srbf_thesis::samplers::Reflection;
 
@@ -35,6 +35,14 @@ impl<'a> Truth<'a> {
         match self {
             Self::Lobes(material) => material.is_isotropic(),
             Self::Table(measured) => measured.is_isotropic(),
+        }
+    }
+
+    /// Its own map from colours to spectra; `None` without one.
+    pub fn spectral_map(&self) -> Option<SpectralMap<'a>> {
+        match self {
+            Self::Lobes(material) => material.spectral_map(),
+            Self::Table(measured) => measured.spectral_map(),
         }
     }
 

@@ -3,6 +3,7 @@
 //! May import: `numbers`, `out`.
 
 pub mod environment;
+pub mod illuminant;
 pub mod intersect;
 pub mod mesh;
 pub mod ray;

@@ -105,7 +105,9 @@ pub(super) const fn channels(kind: u8) -> usize {
 }
 
 impl SpectralMap<'static> {
-    pub(super) const FIXED: Self = Self { content: &FIXED };
+    /// The map of materials that have none: the smoothest spectra that are the primaries of sRGB under D65, 400 to 700 nm. Colours of
+    /// lights become spectra by it too. Its columns are 1 together at each wavelength.
+    pub const FIXED: Self = Self { content: &FIXED };
 
     /// Bytes that [`encode`](Self::encode) writes for a number of wavelengths; `is_grey`: with one number a column.
     pub const fn encoded_len(wavelengths: usize, is_grey: bool) -> usize {

@@ -3,4 +3,5 @@
 mod device;
 mod driver;
 mod exports;
+mod pbrt;
 mod values;

@@ -26,17 +26,17 @@ fn the_header_is_the_text() {
 }
 
 /// Uniform numbers.
-struct Random(u64);
+pub struct Random(pub u64);
 
 impl Random {
-    fn next(&mut self) -> f32 {
+    pub fn next(&mut self) -> f32 {
         self.0 ^= self.0 << 13;
         self.0 ^= self.0 >> 7;
         self.0 ^= self.0 << 17;
         (self.0 >> 40) as f32 / (1u64 << 24) as f32
     }
 
-    fn direction(&mut self) -> [f32; 3] {
+    pub fn direction(&mut self) -> [f32; 3] {
         let z = 0.02 + 0.98 * f64::from(self.next());
         let phi = std::f64::consts::TAU * f64::from(self.next());
         let r = (1.0 - z * z).max(0.0).sqrt();
@@ -45,7 +45,7 @@ impl Random {
 }
 
 /// A brushed metal, on rings of views.
-fn brushed() -> Vec<u8> {
+pub fn brushed() -> Vec<u8> {
     let (thetas, azimuths) = ([0.0, 0.5, 1.0, 1.4], 8);
     let views: Vec<(f32, f32)> = std::iter::once((0.0, 0.0))
         .chain((0..24).map(|i| (thetas[1 + i / 8], std::f32::consts::PI * (i % 8) as f32 / 8.0)))
@@ -122,7 +122,7 @@ fn factored(is_signed: bool) -> Vec<u8> {
 }
 
 /// Factors, and spectra of four wavelengths or of one.
-fn spectral(is_lidar: bool) -> Vec<u8> {
+pub fn spectral(is_lidar: bool) -> Vec<u8> {
     let bytes = factored(true);
     let material = Material::from_bytes(&bytes[..]).expect("a material");
     let columns = [[0.1, -0.2, 1.5], [0.2, 0.9, 0.1], [0.9, 0.3, 0.0], [2.0, 1.0, -1.0]];

@@ -2,7 +2,7 @@
 
 use crate::FitError;
 use crate::read::illuminants::Illuminant;
-use crate::read::{BandError, Intake, Spectra, SpectralErrors};
+use crate::read::{BandError, Spectra, SpectralErrors};
 use serde_json::{Value, json};
 use srbf_core::{Level, MAX_LOBES, Material, Mixture, SpectralMap};
 
@@ -50,20 +50,21 @@ pub(crate) fn with_map(bytes: &[u8], map: &[u8]) -> Result<Vec<u8>, FitError> {
 }
 
 impl SpectralReport {
-    /// Compares a material with the spectra of the samples that it was fitted to.
+    /// Compares a material with the spectra of the samples that it was fitted to; `is_light_fixed`: a view of the fit is the direction of
+    /// their light.
     ///
     /// # Errors
     /// [`FitError::Core`] never for unit vectors.
     pub fn new(
         spectra: &Spectra,
-        intake: &Intake,
+        is_light_fixed: bool,
         material: &Material<impl AsRef<[u8]>>,
     ) -> Result<Self, FitError> {
         let mut mixture = Mixture::<MAX_LOBES>::empty();
         let mut failed = None;
         let of_fit = spectra.errors_of(|sample| {
             let (view, light) =
-                if intake.is_light_fixed { (sample.wi, sample.wo) } else { (sample.wo, sample.wi) };
+                if is_light_fixed { (sample.wi, sample.wo) } else { (sample.wo, sample.wi) };
             // Scalar on every processor, as all that is reported.
             let prepared = material.prepare_with(view.map(|v| v as f32), Level::Scalar.into(), &mut mixture);
             failed = failed.take().or(prepared.err());

@@ -207,7 +207,7 @@ mod tests {
 
     fn value(text: &str, theta_i: f64, theta_o: f64, turn: f64) -> f64 {
         let [i, o, turn] = [theta_i, theta_o, turn].map(f64::to_radians);
-        let model = super::super::parse(text).unwrap().brdf;
+        let model = super::super::tests::parse(text).unwrap().brdf;
         model.evaluate(direction(i, 0.0), direction(o, turn))[0]
     }
 

@@ -1,11 +1,14 @@
 //! `KEY=VALUE,KEY=VALUE`: each key known, given at most once, its value in range.
 
+use super::{Colours, Given};
 use crate::ReadError;
+use std::path::Path;
 use std::ops::RangeInclusive;
 
 /// Parameters as they were given, each taken out once.
 pub(super) struct Parameters<'a> {
     given: Vec<(&'a str, &'a str)>,
+    colours: Colours<'a>,
     /// Keys that were asked for, for the message about one that was not.
     known: Vec<&'static str>,
 }
@@ -15,7 +18,7 @@ fn fail<T>(text: String) -> Result<T, ReadError> {
 }
 
 impl<'a> Parameters<'a> {
-    pub fn parse(text: &'a str) -> Result<Self, ReadError> {
+    pub fn parse(text: &'a str, colours: Colours<'a>) -> Result<Self, ReadError> {
         let mut given: Vec<(&str, &str)> = Vec::new();
         for part in text.split(',').filter(|p| !p.is_empty()) {
             let Some((key, value)) = part.split_once('=') else {
@@ -26,7 +29,7 @@ impl<'a> Parameters<'a> {
             }
             given.push((key, value));
         }
-        Ok(Self { given, known: Vec::new() })
+        Ok(Self { given, colours, known: Vec::new() })
     }
 
     /// Whether a parameter was given and not yet taken.
@@ -51,15 +54,26 @@ impl<'a> Parameters<'a> {
         self.text(key).map_or(Ok(default), |text| number(key, text, &range))
     }
 
-    /// Takes a reflectance: a number in [0, 1], or three with slashes between.
+    /// Takes a reflectance: a number in [0, 1], three with slashes between, or the file of a spectrum.
     pub fn colour(&mut self, key: &'static str, default: f64) -> Result<[f64; 3], ReadError> {
         let Some(text) = self.text(key) else { return Ok([default; 3]) };
+        if text.parse::<f64>().is_err() && Path::new(text).is_file() {
+            return (self.colours)(Given::File(Path::new(text)));
+        }
         let words: Vec<&str> = text.split('/').collect();
         let one = |word: &str| number(key, word, &(0.0..=1.0));
         match words[..] {
+            [grey] if grey.contains('.') && grey.parse::<f64>().is_err() => {
+                fail(format!("{key}: `{text}` where a colour, or the file of a spectrum, was expected"))
+            }
             [grey] => Ok([one(grey)?; 3]),
-            [red, green, blue] => Ok([one(red)?, one(green)?, one(blue)?]),
-            _ => fail(format!("{key}: `{text}` where one number or RED/GREEN/BLUE was expected")),
+            [red, green, blue] => {
+                let rgb = [one(red)?, one(green)?, one(blue)?];
+                (self.colours)(Given::Rgb(rgb))
+            }
+            _ => fail(format!(
+                "{key}: `{text}` where one number, RED/GREEN/BLUE or the file of a spectrum was expected"
+            )),
         }
     }
 

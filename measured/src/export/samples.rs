@@ -1,5 +1,6 @@
 //! Writers of samples as text: our own `.csv`, and Cornell's `.astm` with three channels.
 
+use crate::read::Spectra;
 use crate::table::{Sample, Table};
 use std::fmt::Write;
 
@@ -8,17 +9,47 @@ fn rows(table: &Table) -> impl Iterator<Item = (f64, &Sample)> {
     table.views.iter().flat_map(|view| view.samples.iter().map(|sample| (view.theta, sample)))
 }
 
-/// Writes samples as our own CSV: both directions as unit vectors, f in linear sRGB, 1/sr.
+/// Writes samples as our own CSV: both directions as unit vectors, f in linear sRGB, 1/sr; with `spectra`, f at each of their
+/// wavelengths in place of the colour, which they follow from.
 ///
 /// All digits are written, so that the same numbers are read.
-pub fn csv(table: &Table) -> String {
-    let mut text = "# written by srbf\nwi_x,wi_y,wi_z,wo_x,wo_y,wo_z,r,g,b\n".to_owned();
-    for (theta, Sample { direction: [x, y, z], rgb: [r, g, b], .. }) in rows(table) {
+pub fn csv(table: &Table, spectra: Option<&Spectra>) -> String {
+    let mut text = csv_head(spectra);
+    for (theta, Sample { direction, rgb, .. }) in rows(table) {
         let (sin, cos) = libm::sincos(theta);
-        // Writing to a String cannot fail.
-        let _ = writeln!(text, "{x},{y},{z},{},0,{cos},{r},{g},{b}", -sin);
+        let pair = [*direction, [-sin, 0.0, cos]];
+        match spectra {
+            Some(spectra) => csv_row(&mut text, pair, spectra.of(*rgb)),
+            None => csv_row(&mut text, pair, rgb.iter().copied()),
+        }
     }
     text
+}
+
+/// Writes the samples of spectra as our own CSV, with the values that were read.
+pub fn csv_of_spectra(spectra: &Spectra) -> String {
+    let mut text = csv_head(Some(spectra));
+    for sample in &spectra.samples {
+        csv_row(&mut text, [sample.wi, sample.wo], sample.values.iter().copied());
+    }
+    text
+}
+
+fn csv_head(spectra: Option<&Spectra>) -> String {
+    let values = spectra.map_or_else(
+        || "r,g,b".to_owned(),
+        |spectra| spectra.wavelengths.iter().map(|nm| format!("{nm}nm")).collect::<Vec<_>>().join(","),
+    );
+    format!("# written by srbf\nwi_x,wi_y,wi_z,wo_x,wo_y,wo_z,{values}\n")
+}
+
+fn csv_row(text: &mut String, [[x, y, z], [a, b, c]]: [[f64; 3]; 2], values: impl Iterator<Item = f64>) {
+    // Writing to a String cannot fail.
+    let _ = write!(text, "{x},{y},{z},{a},{b},{c}");
+    values.for_each(|value| {
+        let _ = write!(text, ",{value}");
+    });
+    text.push('\n');
 }
 
 /// Writes samples as an `.astm` file: angles in radians, f in linear sRGB, 1/sr. The outgoing direction stands as the incident one, as in

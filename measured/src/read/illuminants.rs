@@ -1,6 +1,9 @@
 //! Colours of spectra under three lights, and how far two of them are apart.
 
 use super::spectrum::{WEIGHTS, resampled};
+use super::wavelengths::rgb_of_xyz;
+use crate::ReadError;
+use crate::file::spectrum::SpectralCurve;
 
 /// A light of the CIE.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -33,6 +36,64 @@ impl Illuminant {
             Self::F11 => resampled(&FLUORESCENT, wavelengths),
         }
     }
+}
+
+/// The wavelengths of [`under`] and [`seen`]: 400, 410, ... 700 nm.
+pub fn wavelengths() -> [f64; 31] {
+    std::array::from_fn(|n| 400.0 + 10.0 * n as f64)
+}
+
+/// Weights of 400, 410, ... 700 nm to X, Y, Z of a reflectance under a light whose power was measured, in any unit; Y of a reflectance of 1
+/// is 1. The power counts as its mean about each of these wavelengths, within 10 nm on either side.
+///
+/// # Errors
+/// [`ReadError::Content`] for a light that is black there.
+pub fn under(light: &SpectralCurve) -> Result<[[f64; 3]; 31], ReadError> {
+    let mut weights = INCANDESCENT;
+    let mut bright = 0.0;
+    for (weights, nm) in weights.iter_mut().zip(wavelengths()) {
+        // The mean over what a weight stands for: nearer wavelengths count more.
+        let near = |by: i32| (1.0 - 0.1 * f64::from(by.abs())) * light.at(nm + f64::from(by));
+        let power = 0.1 * (-9..=9).map(near).sum::<f64>();
+        weights.iter_mut().for_each(|weight| *weight *= power / incandescent(nm));
+        bright += weights[1];
+    }
+    if bright <= 0.0 {
+        return Err(ReadError::Content("a light that is not black from 400 to 700 nm is expected".into()));
+    }
+    weights.as_flattened_mut().iter_mut().for_each(|weight| *weight /= bright);
+    Ok(weights)
+}
+
+/// Relative power of illuminant A at a wavelength in nm (CIE 15): 1 at 560 nm.
+fn incandescent(nm: f64) -> f64 {
+    let planck = |nm: f64| libm::pow(560.0 / nm, 5.0) / libm::expm1(1.435e7 / (2848.0 * nm));
+    planck(nm) / planck(560.0)
+}
+
+/// Linear sRGB of weights to X, Y, Z of a reflectance, to an eye that is used to the light: a reflectance of 1 is white.
+///
+/// Source: the transform of Bradford (Lam 1985), of the responses of three kinds of cones.
+pub fn seen(weights: &[[f64; 3]]) -> Vec<[f64; 3]> {
+    const CONES: [[f64; 3]; 3] =
+        [[0.8951, 0.2664, -0.1614], [-0.7502, 1.7135, 0.0367], [0.0389, -0.0685, 1.0296]];
+    const BACK: [[f64; 3]; 3] = [
+        [0.9869929, -0.1470543, 0.1599627],
+        [0.4323053, 0.5183603, 0.0492912],
+        [-0.0085287, 0.0400428, 0.9684867],
+    ];
+    let by = |matrix: &[[f64; 3]; 3], v: [f64; 3]| matrix.map(|row| (0..3).map(|c| row[c] * v[c]).sum::<f64>());
+    let white = by(&CONES, weighed(weights, std::iter::repeat(1.0)));
+    let day = by(&CONES, xyz_of_rgb([1.0; 3]));
+    let adapted = |xyz: &[f64; 3]| {
+        let cones = by(&CONES, *xyz);
+        rgb_of_xyz(by(&BACK, [0, 1, 2].map(|c| cones[c] * day[c] / white[c])))
+    };
+    let mut found: Vec<[f64; 3]> = weights.iter().map(adapted).collect();
+    // The matrices have seven digits.
+    let sums = weighed(&found, std::iter::repeat(1.0));
+    found.iter_mut().for_each(|rgb| rgb.iter_mut().zip(sums).for_each(|(v, sum)| *v /= sum));
+    found
 }
 
 /// CIE 1931 X, Y, Z of linear sRGB.
@@ -220,6 +281,18 @@ mod tests {
             let apart = (0..3).map(|c| (found[c] - white[c]).abs()).fold(0.0, f64::max);
             assert!(apart < 1.5e-3, "{}: {found:?}", light.name());
         }
+        // A lamp that was measured is the lamp of the tables; white is white to an eye that is used to it.
+        let text: String = (76..160).map(|n| format!("{} {}\n", 5 * n, 7.0 * incandescent(5.0 * f64::from(n)))).collect();
+        let measured = under(&SpectralCurve::parse(text.as_bytes()).unwrap()).unwrap();
+        let apart = measured.as_flattened().iter().zip(INCANDESCENT.as_flattened()).map(|(a, b)| (a - b).abs());
+        assert!(apart.fold(0.0, f64::max) < 1e-3);
+        for light in Illuminant::ALL {
+            let seen = seen(&light.weights(&super::wavelengths()));
+            assert!(weighed(&seen, std::iter::repeat(1.0)).iter().all(|v| (v - 1.0).abs() < 1e-12));
+            let apart = seen.as_flattened().iter().zip(WEIGHTS.as_flattened()).map(|(a, b)| (a - b).abs());
+            assert_eq!(apart.fold(0.0, f64::max) < 2e-5, light == Illuminant::D65, "{}", light.name());
+        }
+        assert!(under(&SpectralCurve::parse(b"800 1\n900 2\n700 0").unwrap()).is_err());
         // The matrix is the inverse of the other.
         assert!((0..3).all(|c| {
             let there = super::super::wavelengths::rgb_of_xyz(xyz_of_rgb([0.2, 0.5, 0.9]));

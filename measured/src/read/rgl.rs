@@ -23,8 +23,10 @@ mod tensor;
 mod warp;
 
 use crate::ReadError;
-use crate::numeric::GOLDEN_ANGLE;
-use crate::table::{Brdf, Draws, Known, Symmetry, direction};
+use super::spectra::Spectra;
+use super::wavelengths::Wavelengths;
+use super::of_brdf::{self, Pair};
+use crate::table::{Brdf, Draws, Known, Symmetry};
 use lookup::Lookup;
 use std::f64::consts::{FRAC_PI_2, PI};
 use std::sync::OnceLock;
@@ -37,6 +39,7 @@ pub struct Rgl {
     wide: Lookup,
     /// Whether some of its colours are no numbers: nothing was measured there.
     has_holes: bool,
+    spectra: Option<Spectra>,
     /// Made when it is asked for.
     narrow: OnceLock<Lookup<f32>>,
 }
@@ -50,16 +53,34 @@ pub fn parse(bytes: &[u8]) -> Result<Rgl, ReadError> {
     let arrays = arrays::read(&file)?;
     let symmetry = if arrays.phis.len() == 1 { Symmetry::Isotropic } else { symmetry(&arrays.phis)? };
     let has_holes = arrays.rgb.iter().flatten().any(Grid::has_holes);
-    let file = Rgl { wide: Lookup { symmetry, arrays }, has_holes, narrow: OnceLock::new() };
-    if has_holes && file.samples(1).is_empty() {
+    let wide = Lookup { symmetry, arrays };
+    let mut rgl = Rgl { wide, has_holes, spectra: None, narrow: OnceLock::new() };
+    if has_holes && rgl.samples(1).is_empty() {
         return Err(ReadError::Content("field rgb: no number was measured, all are NaN".into()));
     }
-    Ok(file)
+    rgl.spectra = spectra(&file, &mut rgl)?;
+    Ok(rgl)
 }
 
-/// Outgoing directions of samples, and the last of them, degrees.
-const SAMPLED_VIEWS: usize = 15;
-const LAST_SAMPLED: f64 = 80.0;
+/// The spectra of the colours, from values at some pairs of directions; `None` of a file without wavelengths.
+fn spectra(file: &tensor::File<'_>, rgl: &mut Rgl) -> Result<Option<Spectra>, ReadError> {
+    if file.find("spectra").is_none() {
+        return Ok(None);
+    }
+    let wavelengths = Wavelengths::new(&file.numbers("wavelengths", 1)?.to_vec())?;
+    let pairs: Vec<_> = of_brdf::pairs(SPECTRA, rgl.symmetry()).collect();
+    // The wavelengths take the place of the colour, and give it back.
+    let colours = std::mem::take(&mut rgl.wide.arrays.rgb);
+    let found = of_brdf::spectra(&wavelengths, &pairs, |three| {
+        rgl.wide.arrays.rgb = arrays::wavelengths(file, colours.len(), three)?;
+        Ok(pairs.iter().map(|[wi, wo]| rgl.evaluate(*wi, *wo)).collect())
+    });
+    rgl.wide.arrays.rgb = colours;
+    found
+}
+
+/// Pairs of directions whose spectra are looked at.
+const SPECTRA: usize = 3000;
 
 /// How far a range of azimuths may be from a whole, half or quarter turn, radians: f32 rounding, and little more.
 const RANGE: f64 = 1e-3;
@@ -85,6 +106,11 @@ impl Rgl {
         self.wide.f_cos(wi, wo)
     }
 
+    /// The spectra of its colours; `None` of a file of colours alone.
+    pub fn spectra(&self) -> Option<&Spectra> {
+        self.spectra.as_ref()
+    }
+
     /// Whether something was not measured.
     pub fn has_holes(&self) -> bool {
         self.has_holes
@@ -95,24 +121,17 @@ impl Rgl {
     pub fn coarser(&self, warp: usize, picture: usize) -> Option<(Self, usize)> {
         let (arrays, count) = self.wide.arrays.coarser(warp.max(2), picture.max(2))?;
         let wide = Lookup { symmetry: self.wide.symmetry, arrays };
-        Some((Self { wide, has_holes: self.has_holes, narrow: OnceLock::new() }, count))
+        Some((Self { wide, has_holes: self.has_holes, spectra: None, narrow: OnceLock::new() }, count))
     }
 
     /// Samples where something was measured: incident direction, outgoing direction and f. About `count` of all directions are tried,
     /// the half vectors denser about the normal.
     pub(crate) fn samples(&self, count: usize) -> Vec<([f64; 3], [f64; 3], [f64; 3])> {
-        let each = count.div_ceil(SAMPLED_VIEWS).max(200);
-        let sample = |view: usize, n: usize| {
-            let theta = LAST_SAMPLED.to_radians() * (view as f64 + 0.5) / SAMPLED_VIEWS as f64;
-            let wo = direction(theta, PI);
-            let along = (n as f64 + 0.5) / each as f64;
-            let h = direction(along * along * FRAC_PI_2, GOLDEN_ANGLE * n as f64);
-            let twice = 2.0 * lookup::dot(h, wo);
-            let wi = [0, 1, 2].map(|k| twice * h[k] - wo[k]);
+        let sample = |[wi, wo]: Pair| {
             let value = self.evaluate(wi, wo);
-            (wi[2] > 0.02 && value.iter().all(|v| v.is_finite())).then_some((wi, wo, value))
+            value.iter().all(|v| v.is_finite()).then_some((wi, wo, value))
         };
-        (0..SAMPLED_VIEWS).flat_map(|view| (0..each).filter_map(move |n| sample(view, n))).collect()
+        of_brdf::pairs(count, self.symmetry()).filter_map(sample).collect()
     }
 
     fn narrow(&self) -> &Lookup<f32> {
@@ -352,5 +371,16 @@ mod tests {
             }
         }
         assert!(expected[0] > 2.0 * expected[1], "the test needs a colour: {expected:?}");
+        // The map takes the colour to the spectrum, of every second wavelength; of an anisotropic surface too.
+        let turned = Written { phis: 7, range: FRAC_PI_2, ..settings };
+        let brushed = parse(&synthetic::write(&self::model([0.25, 0.5]), &turned)).unwrap();
+        assert_eq!((rgl.symmetry(), brushed.symmetry()), (Symmetry::Isotropic, Symmetry::Quadrant));
+        for spectra in [rgl.spectra().unwrap(), brushed.spectra().unwrap()] {
+            assert!(spectra.wavelengths.len() == 33 && spectra.errors.error < 1e-3, "{:?}", spectra.errors);
+            for (nm, found) in spectra.wavelengths.iter().zip(spectra.of(expected)) {
+                assert!((found - shape(*nm)).abs() < 0.01, "{nm}: {found} {}", shape(*nm));
+            }
+        }
+        assert!(grey.spectra().is_none());
     }
 }

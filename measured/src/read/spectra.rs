@@ -6,8 +6,10 @@
 //!
 //! Wavelengths that make no colour have a map of their mean: it takes grey to a spectrum.
 
+use super::chosen::ChosenWavelengths;
 use super::illuminants::{Illuminant, difference_2000, weighed};
 use super::spectrum::ToRgb;
+use crate::ReadError;
 use crate::numeric::cholesky::Square;
 use srbf_core::{FormatError, SpectralColumns, SpectralMap};
 use std::ops::Range;
@@ -88,6 +90,28 @@ impl Spectra {
     /// The spectrum of a colour, as a renderer has it: nowhere below 0.
     pub fn of(&self, rgb: [f64; 3]) -> impl Iterator<Item = f64> + '_ {
         self.of_rgb.iter().map(move |by| (by[0] * rgb[0] + by[1] * rgb[1] + by[2] * rgb[2]).max(0.0))
+    }
+
+    /// Those of a map that a material stores, at its own wavelengths or those that are chosen of them: without samples.
+    ///
+    /// # Errors
+    /// [`ReadError::Content`] where no wavelength is chosen.
+    pub fn of_map(map: SpectralMap<'_>, chosen: Option<ChosenWavelengths>) -> Result<Self, ReadError> {
+        let all: Vec<f64> = (0..map.len()).filter_map(|n| map.wavelength(n)).map(tenths).collect();
+        let has = |nm: &f64| chosen.is_none_or(|chosen| chosen.has(*nm));
+        let wavelengths: Vec<f64> = all.iter().copied().filter(has).collect();
+        if wavelengths.is_empty() {
+            let ends = [all.first(), all.last()].map(|nm| nm.copied().unwrap_or_default());
+            return Err(ReadError::Content(format!(
+                "--wavelengths: none of the material's is chosen; it has {} from {} to {} nm",
+                all.len(),
+                ends[0],
+                ends[1]
+            )));
+        }
+        let of_rgb = wavelengths.iter().map(|nm| map.column_at(*nm as f32).map(f64::from)).collect();
+        let errors = SpectralErrors { error: map.error().into(), ..SpectralErrors::default() };
+        Ok(Self { wavelengths, of_rgb, is_grey: map.is_grey(), errors, samples: Vec::new(), visible: 0..0 })
     }
 
     /// The map as a material stores it.
@@ -171,6 +195,11 @@ impl Spectra {
     }
 }
 
+/// A wavelength of a map, which has tenths of nm.
+fn tenths(nm: f32) -> f64 {
+    (10.0 * f64::from(nm)).round() / 10.0
+}
+
 /// The difference of two colours under a light, of which the first is that of a sample.
 fn difference(weights: &[[f64; 3]], xyz: [[f64; 3]; 2]) -> f64 {
     let scale = COMPARED / xyz[0][1].max(1e-9);
@@ -217,6 +246,11 @@ impl SpectralSamples {
             weights[visible.clone()].copy_from_slice(to_rgb.weights());
         }
         Some(Self { wavelengths, places, weights, visible, kept: Vec::new(), every: 1, count: 0 })
+    }
+
+    /// Places of the wavelengths that are kept among the values of a row.
+    pub fn places(&self) -> &[usize] {
+        &self.places
     }
 
     /// Adds the sample of the next row, whose own values are `times` those of the row.

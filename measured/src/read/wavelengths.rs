@@ -4,14 +4,11 @@ use super::chosen::ChosenWavelengths;
 use super::spectra::{LONGEST, SpectralSamples};
 use super::spectrum::ToRgb;
 use crate::ReadError;
+use crate::file::spectrum::unit_of;
 use std::ops::Range;
 
 /// The visible range, nm.
 const VISIBLE: [f64; 2] = [360.0, 830.0];
-
-/// Wavelengths up to this are micrometres, and up to that metres.
-const MICROMETRES: f64 = 20.0;
-const METRES: f64 = 1e-4;
 
 /// Least number of spectral lines that make a colour; they have to begin in blue and end in red, nm.
 const FEW: usize = 3;
@@ -59,11 +56,7 @@ impl Wavelengths {
         let Some(largest) = numbers.iter().copied().reduce(f64::max) else {
             return fail("no wavelengths".into());
         };
-        let (unit, unit_name) = match largest {
-            w if w < METRES => (1e9, Some("metres")),
-            w if w < MICROMETRES => (1e3, Some("micrometres")),
-            _ => (1.0, None),
-        };
+        let (unit, unit_name) = unit_of(largest);
         let nm: Vec<f64> = numbers.iter().map(|w| w * unit).collect();
         if let Some(odd) = nm.iter().find(|w| !(100.0..=1e5).contains(*w)) {
             return fail(format!("{odd} nm is no wavelength; 100 to 100000 nm is expected"));
@@ -117,6 +110,11 @@ impl Wavelengths {
             return Ok(made(Some(ToRgb::extended(lines)?), Some(text)));
         }
         Ok(grey(format!("wavelengths from {low} to {high} nm make no colour: their mean is taken as grey")))
+    }
+
+    /// How many of them are read.
+    pub fn count(&self) -> usize {
+        self.places.len()
     }
 
     /// A place for spectra of samples; `None` for wavelengths that are too long to be stored.

@@ -8,7 +8,7 @@ use crate::truth::stored::StoredMaterial;
 use anyhow::{Context, bail};
 use srbf_fit::export;
 use srbf_fit::read::{Content, Conventions, Source, Spectra, merl, read_with, rgl};
-use srbf_fit::table::{Brdf, Table};
+use srbf_fit::table::Brdf;
 use std::path::{Path, PathBuf};
 
 /// Writes a measured BRDF, a model or a fit in the format of another program.
@@ -25,7 +25,8 @@ use std::path::{Path, PathBuf};
 /// Mitsuba's `measured` reads colours in its RGB variants, spectra in its spectral ones, and draws by f cos itself: the relative variance is .002 up to 75 degrees, and .06 at 85.
 ///
 /// .csv (ours, see docs/csv.md) and .astm (Cornell, three channels): samples. Those of a file of samples stay as they are; of all else,
-/// 16 outgoing directions by some 1300 incident ones. At the samples nothing is lost; between them nothing is said.
+/// 16 outgoing directions by some 1300 incident ones. At the samples nothing is lost; between them nothing is said. Samples, models and
+/// fits with spectra become a .csv of one column for each wavelength; .astm has their colours.
 ///
 /// Not possible: .brdf (Cornell) holds spectra, which a colour does not tell; .srbf is a fit, by `srbf fit`; anisotropic surfaces.
 /// Samples become .binary or .bsdf by what `srbf fit` completes them to. After .binary and .bsdf the file is read again, and how far it is off
@@ -78,8 +79,8 @@ pub fn run(args: Args) -> anyhow::Result<()> {
     let named = || shown(&args.input);
     match format {
         Format::Merl | Format::Rgl => write_grid(&args.output, format, source),
-        Format::Csv => write_samples(&args.output, source, export::csv),
-        Format::Astm => write_samples(&args.output, source, export::astm),
+        Format::Csv => write_samples(&args.output, source, true),
+        Format::Astm => write_samples(&args.output, source, false),
     }
     .with_context(named)
 }
@@ -90,11 +91,16 @@ fn source(input: &Path, conventions: &Conventions) -> anyhow::Result<Source> {
         return Ok(read_with(input, conventions)?);
     }
     let StoredMaterial { name, material } = StoredMaterial::load(&input.to_string_lossy())?;
-    Ok(Source::evaluable(Box::new(export::Lobes(material)), name, String::new()))
+    let map = material.spectral_map().map(|map| Spectra::of_map(map, conventions.wavelengths));
+    let spectra = map.transpose().with_context(|| shown(input))?;
+    Ok(Source::evaluable(Box::new(export::Lobes(material)), name, String::new()).with_spectra(spectra))
 }
 
-/// Writes samples: those that were read, or those of a BRDF.
-fn write_samples(output: &Path, source: Source, text: fn(&Table) -> String) -> anyhow::Result<()> {
+/// Writes samples: those that were read, or those of a BRDF; `is_csv`: with spectra where there are some.
+fn write_samples(output: &Path, source: Source, is_csv: bool) -> anyhow::Result<()> {
+    let spectra = source.spectra().filter(|_| is_csv).cloned();
+    // Of very many samples, some alone have kept their spectra.
+    let own = source.own_spectra().filter(|_| is_csv).cloned();
     let (table, are) = match source.content {
         Content::Samples(table) => (table, "as they were read".to_owned()),
         Content::Evaluable(brdf) => match export::measured(brdf.as_ref())? {
@@ -105,9 +111,26 @@ fn write_samples(output: &Path, source: Source, text: fn(&Table) -> String) -> a
             ),
         },
     };
-    output::write(output, text(&table).as_bytes())?;
-    let count: usize = table.views.iter().map(|view| view.samples.len()).sum();
-    println!("{}: {count} samples at {} outgoing directions, {are}", shown(output), table.views.len());
+    let text = match &own {
+        Some(own) => export::csv_of_spectra(own),
+        None if is_csv => export::csv(&table, spectra.as_ref()),
+        None => export::astm(&table),
+    };
+    output::write(output, text.as_bytes())?;
+    let count = own.as_ref().map_or_else(
+        || table.views.iter().map(|view| view.samples.len()).sum(),
+        |own| own.samples.len(),
+    );
+    let of = match &spectra {
+        Some(spectra) if own.is_some() => format!(" of {}", spectra.text()),
+        Some(spectra) => format!(
+            " of {}, by the colours, off by {:.1} % (relative L2)",
+            spectra.text(),
+            100.0 * spectra.errors.error
+        ),
+        None => String::new(),
+    };
+    println!("{}: {count} samples{of} at {} outgoing directions, {are}", shown(output), table.views.len());
     Ok(())
 }
 
@@ -117,7 +140,7 @@ fn write_grid(output: &Path, format: Format, source: Source) -> anyhow::Result<(
         println!("samples: completed first, to have a value for every pair of directions");
     }
     let spectra =
-        source.intake.as_ref().and_then(|intake| intake.spectra.clone()).filter(|spectra| !spectra.is_grey);
+        source.spectra().filter(|spectra| !spectra.is_grey).cloned();
     let material = MeasuredMaterial::new(source)?;
     if !material.gaps.is_empty() {
         // Samples are all completed; of a table, MERL has a mark for cells that were not measured.

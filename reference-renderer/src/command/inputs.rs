@@ -41,7 +41,7 @@ fn files(value: &OsStr) -> Vec<PathBuf> {
         if let Some((file, _)) = text.rsplit_once(':') {
             files.extend([file.into(), Networks::names_beside(file.as_ref())]);
         }
-        files.extend(analytic::file_of(text));
+        files.extend(analytic::files_of(text));
     }
     files
 }

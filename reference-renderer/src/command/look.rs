@@ -70,7 +70,7 @@ pub fn looked_at(source: Source) -> anyhow::Result<Look> {
         (Some(intake), Content::Samples(table)) => (intake, table),
         (_, Content::Samples(_)) => bail!("{name}: samples without lines"),
         (_, Content::Evaluable(brdf)) => {
-            let text = export::csv(&export::sampled(brdf.as_ref())?);
+            let text = export::csv(&export::sampled(brdf.as_ref())?, None);
             let mut intake = csv::parse(text.as_bytes(), &Conventions::default())?;
             intake.rows.retain(|row| row.wi[2].min(row.wo[2]) > GRAZING);
             let every = intake.rows.len().div_ceil(SAMPLED);

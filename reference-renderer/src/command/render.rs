@@ -14,12 +14,13 @@ use crate::trace::camera::Camera;
 use crate::trace::cast::{self, Cast};
 use crate::trace::film::{self, Film};
 use crate::trace::integrator::skeleton::skeleton;
-use crate::trace::render::{add_samples, add_samples_by_waves};
+use crate::trace::render::{add_samples, add_samples_by_waves, add_spectral_samples};
 use crate::trace::scene::{Role, Scene, SceneName, Standpoint};
 use crate::trace::settings::RenderSettings;
 use crate::truth::Truth;
 use crate::truth::stored;
 use crate::world::environment::file::Projection;
+use crate::world::illuminant::Illuminant;
 use crate::world::mesh;
 use anyhow::{Context, bail, ensure};
 use cpu_time::ThreadTime;
@@ -111,6 +112,10 @@ pub struct Args {
     /// that sample themselves: --sampler mis or lobes is expected
     #[arg(long)]
     wavefront: bool,
+    /// Paths carry values at four wavelengths, under a light whose colours are those of --env; the eye is used to the light, so that white
+    /// stays white. The light is D65, A, F11, or a file of text with a wavelength and a power on each line
+    #[arg(long, num_args = 0..=1, default_missing_value = "D65", value_name = "LIGHT|FILE", conflicts_with = "wavefront")]
+    spectral: Option<String>,
     /// Threads; 0 is one a processor. The picture does not depend on it
     #[arg(long, default_value_t = 0, value_parser = clap::value_parser!(u16).range(0..=1024))]
     threads: u16,
@@ -194,7 +199,13 @@ fn split(args: &Args) -> u32 {
 }
 
 fn render(args: &Args) -> anyhow::Result<()> {
-    let strategy = Strategy { light: args.light.unwrap_or(args.sampler.light), ..args.sampler };
+    let illuminant = args.spectral.as_deref().map(Illuminant::load).transpose()?;
+    // Even sums are of colours; where they are left out, the light is sampled once.
+    let own_light = match args.sampler.light {
+        Light::Even if illuminant.is_some() => Light::Mis,
+        light => light,
+    };
+    let strategy = Strategy { light: args.light.unwrap_or(own_light), ..args.sampler };
     let names = cast::Names {
         object: &args.material,
         ground: args.ground_material.as_deref(),
@@ -215,7 +226,10 @@ fn render(args: &Args) -> anyhow::Result<()> {
     let scene = Scene::build(args.scene.shapes(mesh), shader, &environment);
     let camera = standpoint(args)?.camera(args.size);
     let split = split(args);
-    let is_furnace = args.scene.is_sphere() && environment.constant_radiance().is_some();
+    // The closed form is of colours, as they are in daylight.
+    let has_closed_form = illuminant.as_ref().is_none_or(Illuminant::is_daylight);
+    let is_furnace =
+        args.scene.is_sphere() && environment.constant_radiance().is_some() && has_closed_form;
     // A standard error is told there, which independent samples have.
     let own = if is_furnace { PointsName::Random } else { PointsName::Sobol };
     let settings = RenderSettings {
@@ -230,12 +244,20 @@ fn render(args: &Args) -> anyhow::Result<()> {
     let mut film = Film::new(args.size);
     let progress = Progress::new("rendering", args.size[1].into());
     let start = Instant::now();
-    let add = if args.wavefront { add_samples_by_waves } else { add_samples };
-    let spent =
-        add(&scene, &camera, &settings, &mut film, args.spp / split, &progress).with_context(|| {
-            let names: Vec<&str> = cast.roles.iter().map(|part| part.1.name()).collect();
-            format!("material {}, light {}", names.join(", "), env(args))
-        })?;
+    let samples = args.spp / split;
+    let added = match &illuminant {
+        Some(illuminant) => {
+            add_spectral_samples(&scene, &camera, &settings, illuminant, &mut film, samples, &progress)
+        }
+        None if args.wavefront => {
+            add_samples_by_waves(&scene, &camera, &settings, &mut film, samples, &progress)
+        }
+        None => add_samples(&scene, &camera, &settings, &mut film, samples, &progress),
+    };
+    let spent = added.with_context(|| {
+        let names: Vec<&str> = cast.roles.iter().map(|part| part.1.name()).collect();
+        format!("material {}, light {}", names.join(", "), env(args))
+    })?;
     let seconds = start.elapsed().as_secs_f64();
     drop(progress);
     if let Some(warning) = film.warning() {
@@ -267,6 +289,16 @@ fn render(args: &Args) -> anyhow::Result<()> {
         None => {}
     }
     print_cast(&cast, &samplers, strategy);
+    if let Some(illuminant) = &illuminant {
+        let lacking = cast.roles.iter().filter(|(_, material)| material.truth().spectral_map().is_none());
+        let lacking: Vec<&str> = lacking.map(|(_, material)| material.name()).collect();
+        let smooth = if lacking.is_empty() {
+            String::new()
+        } else {
+            format!("; colours are made smooth spectra of {}", srbf_core::printable(&lacking.join(", ")))
+        };
+        println!("spectra: four wavelengths a path, under {}{smooth}", shown(&illuminant.name));
+    }
     if args.explain {
         let [paths, seconds] = around_lobes(&scene, &camera, args.size, &settings);
         println!(

@@ -43,6 +43,8 @@ pub enum Decision {
     Choice,
     /// Whether the path ends.
     Roulette,
+    /// The wavelengths that the path carries.
+    Wavelengths,
 }
 
 /// Where the numbers of one sample of one pixel come from.

@@ -11,6 +11,7 @@ pub mod wave;
 use crate::numbers::points::{Decision, Points, PointsName};
 use crate::shade::Light;
 use crate::shade::shader::Scattering;
+use crate::trace::carried::{Carried, Rgb, Wavelengths};
 use crate::trace::frame::{Frame, look};
 use crate::trace::integrator::even::{FirstHit, Lighting};
 use crate::trace::path::Path;
@@ -59,7 +60,7 @@ pub fn radiance<'a>(
     workspace: &mut Workspace<'a>,
 ) -> Vec3 {
     let Some(surface) = scene.hit(ray) else { return scene.environment.radiance(ray.direction) };
-    let path = Path { scene, settings, points: *points };
+    let path = Path { scene, settings, points: *points, carried: Rgb };
     let split = settings.split as usize;
     let lighting = lighting.filter(|lighting| lighting.may_help_at(surface.point));
     let first = match lighting {
@@ -74,25 +75,56 @@ pub fn radiance<'a>(
     if let Some(lighting) = lighting.filter(|lighting| lighting.helps_on(scattering, frame.point)) {
         return path.even(lighting, &frame, scattering, &mut workspace.together);
     }
-    let mut light = path.branch(0, split).light_at(&frame, scattering, 0, first);
-    for part in 1..split {
-        let branch = path.branch(part, split);
-        light += branch.light_at(&frame, scattering, 0, branch.ask_for_light(0));
-    }
-    let mut drawn = std::mem::take(&mut workspace.drawn);
-    scattering.sample_together(settings.split, points, &mut drawn);
-    // All of them before the first is followed: the next surface takes the storage of this one.
-    let mut rivals = std::mem::take(&mut workspace.rivals);
-    rivals.clear();
-    rivals.extend(drawn.iter().map(|sample| path.rival(sample, scattering)));
-    for (part, (sample, &rival)) in drawn.iter().zip(&rivals).enumerate() {
-        light += path.branch(part, split).follow(&frame, sample, rival, scattering);
-    }
-    (workspace.drawn, workspace.rivals) = (drawn, rivals);
-    light / settings.split as f32
+    path.reflected(&frame, &(), first, workspace)
 }
 
-impl<'a> Path<'_, 'a> {
+/// Estimates the colour of the light along a ray, with paths that carry values at four wavelengths.
+pub fn spectral_radiance<'a>(
+    scene: &Scene<'a>,
+    ray: &Ray,
+    settings: &RenderSettings,
+    wavelengths: Wavelengths,
+    points: &Points,
+    workspace: &mut Workspace<'a>,
+) -> Vec3 {
+    let path = Path { scene, settings, points: *points, carried: wavelengths };
+    let Some(surface) = scene.hit(ray) else {
+        return wavelengths.colour(wavelengths.light(scene.environment.radiance(ray.direction)));
+    };
+    let first = path.branch(0, settings.split as usize).ask_for_light(0);
+    let Some(frame) = look(&surface, ray, &mut workspace.scattering) else { return Vec3::NAN };
+    let primaries = wavelengths.surface(surface.material);
+    wavelengths.colour(path.reflected(&frame, &primaries, first, workspace))
+}
+
+impl<'a, C: Carried> Path<'_, 'a, C> {
+    /// The light that the first surface reflects, whose material is ready; `first` as [`ask_for_light`](Self::ask_for_light) gives it.
+    fn reflected(
+        &self,
+        frame: &Frame,
+        own: &C::Surface,
+        first: Option<LightPlace>,
+        workspace: &mut Workspace<'a>,
+    ) -> C::Value {
+        let (scattering, split) = (&mut workspace.scattering, self.settings.split as usize);
+        let mut light = self.branch(0, split).light_at(frame, own, scattering, 0, first);
+        for part in 1..split {
+            let branch = self.branch(part, split);
+            light += branch.light_at(frame, own, scattering, 0, branch.ask_for_light(0));
+        }
+        let mut drawn = std::mem::take(&mut workspace.drawn);
+        scattering.sample_together(self.settings.split, &self.points, &mut drawn);
+        // All of them before the first is followed: the next surface takes the storage of this one.
+        let mut rivals = std::mem::take(&mut workspace.rivals);
+        rivals.clear();
+        rivals.extend(drawn.iter().map(|sample| self.rival(sample, scattering)));
+        for (part, (sample, &rival)) in drawn.iter().zip(&rivals).enumerate() {
+            light += self.branch(part, split).follow(frame, own, sample, rival, scattering);
+        }
+        (workspace.drawn, workspace.rivals) = (drawn, rivals);
+        light / self.settings.split as f32
+    }
+
     /// Part `i` of `n` that the path branches into at the first surface.
     pub(in crate::trace) fn branch(&self, i: usize, n: usize) -> Self {
         Self { points: self.points.branch(i, n), ..*self }
@@ -112,32 +144,34 @@ impl<'a> Path<'_, 'a> {
     fn light_at(
         &self,
         frame: &Frame,
+        own: &C::Surface,
         scattering: &Scattering<'a>,
         surface: u32,
         asked: Option<LightPlace>,
-    ) -> Vec3 {
+    ) -> C::Value {
         if self.settings.light == Light::Off {
-            return Vec3::ZERO;
+            return C::BLACK;
         }
         if self.settings.light == Light::Product {
             let candidates = scattering.lobes_for_product().filter(|_| !self.is_evenly_lit());
             if let Some(lobes) = candidates {
-                return self.product_at(frame, scattering, lobes, surface);
+                return self.product_at(frame, own, scattering, lobes, surface);
             }
         }
         let place = asked.unwrap_or_else(|| self.light_place(surface));
         let sample = self.scene.environment.sample_place(place);
         if !frame.leaves(sample.direction) {
-            return Vec3::ZERO;
+            return C::BLACK;
         }
         let (value, pdf) = scattering.evaluate_and_pdf(frame.to_local(sample.direction));
         let weight = match self.settings.light {
             Light::Mis | Light::Even | Light::Product => power_heuristic(1.0, sample.pdf, 1.0, pdf),
             Light::Only | Light::Off => 1.0,
         };
-        let contribution = value * sample.radiance * (weight / sample.pdf);
-        let is_seen = contribution != Vec3::ZERO && self.scene.is_clear(&frame.ray(sample.direction));
-        if is_seen { contribution } else { Vec3::ZERO }
+        let radiance = self.carried.light(sample.radiance);
+        let contribution = self.carried.scattered(own, value) * radiance * (weight / sample.pdf);
+        let is_seen = contribution != C::BLACK && self.scene.is_clear(&frame.ray(sample.direction));
+        if is_seen { contribution } else { C::BLACK }
     }
 
     /// The place on the map of the sample of the light at a surface.
@@ -183,10 +217,11 @@ impl<'a> Path<'_, 'a> {
     fn product_at(
         &self,
         frame: &Frame,
+        own: &C::Surface,
         scattering: &Scattering<'a>,
         lobes: &LargeMixture<'a>,
         surface: u32,
-    ) -> Vec3 {
+    ) -> C::Value {
         let u = self.candidates(surface);
         let choice = self.points.draw(Decision::Choice, surface)[0];
         let map = &self.scene.environment.map;
@@ -194,19 +229,25 @@ impl<'a> Path<'_, 'a> {
         // The slices are as long as the candidates are many.
         let Ok(drawn) = lobes.sample_product(map, &axes, &PRODUCT, u.each_ref().map(|u| &u[..]), choice)
         else {
-            return Vec3::NAN;
+            return C::NAN;
         };
-        let Some(sample) = drawn.filter(|sample| frame.leaves(sample.direction)) else { return Vec3::ZERO };
+        let Some(sample) = drawn.filter(|sample| frame.leaves(sample.direction)) else { return C::BLACK };
         if !self.scene.is_clear(&frame.ray(sample.direction)) {
-            return Vec3::ZERO;
+            return C::BLACK;
         }
-        let Some(truth) = scattering.other_truth(frame.to_local(sample.direction)) else {
-            return sample.weight;
-        };
+        let truth = scattering.other_truth(frame.to_local(sample.direction));
+        if let (None, Some(weight)) = (truth, self.carried.product(sample.weight)) {
+            return weight;
+        }
         // The weight is light times the value of the lobes times a number, which is wanted.
         let radiance = map.radiance(sample.direction);
-        let brought = luminance(lobes.evaluate(frame.to_local(sample.direction)) * radiance);
-        if brought == 0.0 { Vec3::ZERO } else { truth * radiance * (luminance(sample.weight) / brought) }
+        let by_lobes = lobes.evaluate(frame.to_local(sample.direction));
+        let brought = luminance(by_lobes * radiance);
+        if brought == 0.0 {
+            return C::BLACK;
+        }
+        let value = self.carried.scattered(own, truth.unwrap_or(by_lobes));
+        value * self.carried.light(radiance) * (luminance(sample.weight) / brought)
     }
 
     /// How a direction drawn from a material competes with samples of the light.
@@ -223,7 +264,7 @@ impl<'a> Path<'_, 'a> {
     }
 
     /// The environment where a direction drawn from a material finds it, times its weight.
-    fn found(&self, direction: Vec3, rival: Rival) -> Vec3 {
+    fn found(&self, direction: Vec3, rival: Rival) -> C::Value {
         let (radiance, pdf) = self.scene.environment.radiance_and_pdf(direction);
         let weight = match (self.settings.light, rival) {
             (Light::Off, _) => 1.0,
@@ -231,19 +272,27 @@ impl<'a> Path<'_, 'a> {
             (_, Rival::Candidates(of_lobes)) => PRODUCT.ray_weight(of_lobes, pdf),
             (_, Rival::Sample(of_material)) => power_heuristic(1.0, of_material, 1.0, pdf),
         };
-        radiance * weight
+        self.carried.light(radiance) * weight
     }
 
     /// Light along a direction drawn at the first surface, times its weight.
-    fn follow(&self, first: &Frame, sample: &Sample, rival: Rival, scattering: &mut Scattering<'a>) -> Vec3 {
+    fn follow(
+        &self,
+        first: &Frame,
+        own: &C::Surface,
+        sample: &Sample,
+        rival: Rival,
+        scattering: &mut Scattering<'a>,
+    ) -> C::Value {
         let direction = first.to_world(sample.direction);
         if !first.leaves(direction) {
-            return Vec3::ZERO;
+            return C::BLACK;
         }
         let ray = first.ray(direction);
+        let weight = self.carried.scattered(own, sample.weight);
         match self.scene.hit(&ray) {
-            None => sample.weight * self.found(ray.direction, rival),
-            Some(surface) => self.onward(surface, ray, sample.weight, scattering),
+            None => weight * self.found(ray.direction, rival),
+            Some(surface) => self.onward(surface, ray, weight, scattering),
         }
     }
 
@@ -252,25 +301,25 @@ impl<'a> Path<'_, 'a> {
         &self,
         surface: Surface<'_, 'a>,
         ray: Ray,
-        throughput: Vec3,
+        throughput: C::Value,
         scattering: &mut Scattering<'a>,
-    ) -> Vec3 {
-        let (mut light, mut throughput) = (Vec3::ZERO, throughput);
+    ) -> C::Value {
+        let (mut light, mut throughput) = (C::BLACK, throughput);
         let (mut surface, mut ray) = (surface, ray);
         for bounce in 1..self.settings.max_bounces {
             let asked = self.ask_for_light(bounce);
-            let Some(frame) = look(&surface, &ray, scattering) else { return Vec3::NAN };
-            light += throughput * self.light_at(&frame, scattering, bounce, asked);
+            let Some(frame) = look(&surface, &ray, scattering) else { return C::NAN };
+            let own = self.carried.surface(surface.material);
+            light += throughput * self.light_at(&frame, &own, scattering, bounce, asked);
             let [u, v, w, _] = self.points.draw(Decision::Material, bounce);
             let Some(sample) = scattering.sample([u, v, w]) else { break };
             let direction = frame.to_world(sample.direction);
             if !frame.leaves(direction) {
                 break;
             }
-            throughput *= sample.weight;
+            throughput *= self.carried.scattered(&own, sample.weight);
             if bounce >= ROULETTE_FROM {
-                // By its size: of a colour outside the gamut, channels are negative.
-                let survival = throughput.abs().max_element().min(0.95);
+                let survival = C::size(throughput).min(0.95);
                 if self.points.draw(Decision::Roulette, bounce)[0] >= survival {
                     break;
                 }

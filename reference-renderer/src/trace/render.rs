@@ -4,12 +4,15 @@ use crate::numbers::points::{Decision, Points};
 use crate::out::progress::Progress;
 use crate::shade::Light;
 use crate::trace::camera::Camera;
+use crate::trace::carried::Wavelengths;
 use crate::trace::film::Film;
 use crate::trace::integrator::even::Lighting;
 use crate::trace::integrator::wave::{PATHS, Room, wave};
-use crate::trace::integrator::{Workspace, radiance};
+use crate::trace::integrator::{Workspace, radiance, spectral_radiance};
 use crate::trace::scene::Scene;
 use crate::trace::settings::RenderSettings;
+use crate::world::illuminant::Illuminant;
+use crate::world::ray::Ray;
 use cpu_time::ThreadTime;
 use glam::Vec3;
 use rayon::prelude::*;
@@ -28,8 +31,8 @@ const MAY_BE_LOST: u64 = 100;
 ///
 /// # Errors
 /// More than one lost sample in ten thousand: the values of a material or light are too extreme for f32.
-pub fn add_samples(
-    scene: &Scene<'_>,
+pub fn add_samples<'a>(
+    scene: &Scene<'a>,
     camera: &Camera,
     settings: &RenderSettings,
     film: &mut Film,
@@ -55,7 +58,11 @@ pub fn add_samples(
             lighting
         });
         time += start.elapsed();
-        let (part, found) = add_range(scene, camera, settings, lighting.as_deref(), film, held..next, || {
+        let lighting = lighting.as_deref();
+        let of = |ray: &Ray, points: &Points, workspace: &mut Workspace<'a>| {
+            radiance(scene, ray, settings, lighting, points, workspace)
+        };
+        let (part, found) = add_range(camera, settings, film, held..next, of, || {
             if next == to {
                 progress.advance(1);
             }
@@ -63,6 +70,32 @@ pub fn add_samples(
         (time, lost, held) = (time + part, lost.and(found), next);
     }
     film.samples = to;
+    film.lost += lost.count;
+    lost.check(film, samples).map(|()| time)
+}
+
+/// As [`add_samples`], by paths of four wavelengths each under a light whose colours are those of the scene. Light and lobes are not
+/// sampled together by even sums, which are of colours.
+///
+/// # Errors
+/// As [`add_samples`].
+pub fn add_spectral_samples<'a>(
+    scene: &Scene<'a>,
+    camera: &Camera,
+    settings: &RenderSettings,
+    illuminant: &Illuminant,
+    film: &mut Film,
+    samples: u32,
+    progress: &Progress,
+) -> anyhow::Result<Duration> {
+    let of = |ray: &Ray, points: &Points, workspace: &mut Workspace<'a>| {
+        let [u, ..] = points.draw(Decision::Wavelengths, 0);
+        spectral_radiance(scene, ray, settings, Wavelengths::draw(illuminant, u), points, workspace)
+    };
+    let held = film.samples;
+    let (time, lost) =
+        add_range(camera, settings, film, held..held + samples, of, || progress.advance(1));
+    film.samples = held + samples;
     film.lost += lost.count;
     lost.check(film, samples).map(|()| time)
 }
@@ -155,19 +188,18 @@ impl Lost {
     }
 }
 
-/// Adds a range of the samples of every pixel.
-fn add_range(
-    scene: &Scene<'_>,
+/// Adds a range of the samples of every pixel, each the light along a ray of the camera.
+fn add_range<'a>(
     camera: &Camera,
     settings: &RenderSettings,
-    lighting: Option<&Lighting>,
     film: &mut Film,
     samples: Range<u32>,
+    light: impl Fn(&Ray, &Points, &mut Workspace<'a>) -> Vec3 + Sync,
     advance: impl Fn() + Sync,
 ) -> (Duration, Lost) {
     let width = film.size()[0] as usize;
     let rows = film.pixels.par_chunks_mut(width).enumerate();
-    let parts = rows.map_init(Workspace::default, |workspace, (y, row)| {
+    let parts = rows.map_init(Workspace::<'a>::default, |workspace, (y, row)| {
         let start = ThreadTime::now();
         let mut lost = Lost::default();
         for (x, pixel) in row.iter_mut().enumerate() {
@@ -176,7 +208,7 @@ fn add_range(
                 let points = Points::new(settings.points, settings.seed, index as u64, sample.into());
                 let [across, down, ..] = points.draw(Decision::Pixel, 0);
                 let ray = camera.ray(x as f32 + across, y as f32 + down);
-                let found = radiance(scene, &ray, settings, lighting, &points, workspace);
+                let found = light(&ray, &points, workspace);
                 if found.is_finite() {
                     pixel.add(found);
                 } else {
@@ -304,6 +336,43 @@ mod tests {
                 assert!(deviation.cmple(4.5 * error).all(), "{strategy}: {rendered} {expected} +- {error}");
                 assert!(error.max_element() < 0.05 * expected.max_element(), "{strategy}: {error}");
             }
+        }
+    }
+
+    /// A surface of spectra under grey light: the mean colour in daylight is that of a picture of colours, however the light is sampled. Under
+    /// another light it is not.
+    #[test]
+    fn spectral_pictures_in_daylight_have_the_colours_of_others() {
+        let pixels = (0..32 * 16).map(|i| Vec3::splat(0.1 + ((i * 37) % 11) as f32)).collect();
+        let light = Environment::new(32, pixels).unwrap();
+        let object = StoredMaterial::load("garnet_red").unwrap();
+        assert!(object.material.has_spectrum());
+        let scene = Scene::new(SceneName::Sphere, &object.material, &object.material, &light);
+        let camera = SceneName::Sphere.camera(SIZE);
+        let mean = |film: &Film| {
+            let n = film.pixels.len() as f64;
+            let sum: DVec3 = (0..film.pixels.len()).map(|i| film.mean(i)).sum();
+            let variance: DVec3 = (0..film.pixels.len()).map(|i| film.variance_of_mean(i)).sum();
+            (sum / n, variance / (n * n))
+        };
+        let spectral = |name: &str, settings: &RenderSettings| {
+            let mut film = Film::new(SIZE);
+            let light = Illuminant::load(name).unwrap();
+            let hidden = Progress::hidden();
+            add_spectral_samples(&scene, &camera, settings, &light, &mut film, 512, &hidden).unwrap();
+            mean(&film)
+        };
+        for light in [Light::Mis, Light::Off, Light::Only, Light::Product] {
+            let settings = RenderSettings { light, ..MIS };
+            let (expected, own) = mean(&film(&scene, SceneName::Sphere, &settings, 512));
+            let (found, variance) = spectral("D65", &settings);
+            let error = (own + variance).map(f64::sqrt);
+            println!("{light:?}: {found} {expected} +- {error}");
+            assert!((found - expected).abs().cmple(4.5 * error).all(), "{light:?}: {found} {expected}");
+            assert!(error.max_element() < 0.02 * expected.max_element(), "{light:?}: {error}");
+            // Red reflects more of a lamp's light.
+            let (lamp, _) = spectral("A", &settings);
+            assert!(lamp.x > found.x + 4.5 * error.x && lamp.x / lamp.z > found.x / found.z, "{lamp}");
         }
     }
 

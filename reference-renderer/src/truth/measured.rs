@@ -8,9 +8,10 @@ use crate::truth::guided::Guide;
 use crate::truth::networks::Networks;
 use anyhow::Context;
 use glam::{DVec3, Vec3};
+use srbf_core::SpectralMap;
 use srbf_fit::analytic;
 use srbf_fit::complete::{Gaps, complete};
-use srbf_fit::read::{Content, Source};
+use srbf_fit::read::{Content, Source, Spectra};
 use srbf_fit::table::{Brdf, Draws, Symmetry};
 use srbf_thesis::lafortune;
 use std::path::Path;
@@ -44,6 +45,8 @@ pub struct MeasuredMaterial {
     pub completed: Option<usize>,
     /// Its gaps in words; empty for none.
     pub gaps: String,
+    /// The bytes of the map from its colours to spectra; empty without one.
+    map: Vec<u8>,
     /// Made when it is asked for.
     guide: OnceLock<Guide>,
 }
@@ -71,6 +74,7 @@ impl MeasuredMaterial {
     /// # Errors
     /// Samples that cannot be completed: black ones.
     pub fn new(source: Source) -> anyhow::Result<Self> {
+        let map = source.spectra().map(Spectra::to_map).transpose()?.unwrap_or_default();
         let (brdf, completed, gaps): (Box<dyn Brdf + Send>, _, _) = match source.content {
             Content::Evaluable(brdf) => {
                 // Anisotropic tables have no pairs of directions in the frame of a view.
@@ -93,12 +97,17 @@ impl MeasuredMaterial {
             end.eq_ignore_ascii_case(ending).then_some(stem)
         });
         let name = plain.unwrap_or(&name).to_owned();
-        Ok(Self { name, brdf, is_isotropic, completed, gaps, guide: OnceLock::new() })
+        Ok(Self { name, brdf, is_isotropic, completed, gaps, map, guide: OnceLock::new() })
     }
 
     /// Whether the values do not change when both directions turn round the normal.
     pub fn is_isotropic(&self) -> bool {
         self.is_isotropic
+    }
+
+    /// The map from its colours to spectra; `None` without one.
+    pub fn spectral_map(&self) -> Option<SpectralMap<'_>> {
+        SpectralMap::from_bytes(&self.map).ok()
     }
 
     /// The measurement.
@@ -192,8 +201,7 @@ pub mod tests {
                 [-0.05 - 0.5 * lobe, 0.1 + 2.0 * lobe, 0.02]
             }
         }
-        let content = Content::Evaluable(Box::new(Vivid));
-        MeasuredMaterial::new(Source { content, name: "vivid".into(), sha256: String::new(), intake: None })
+        MeasuredMaterial::new(Source::evaluable(Box::new(Vivid), "vivid".into(), String::new()))
             .unwrap()
     }
 

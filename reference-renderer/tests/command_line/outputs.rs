@@ -40,6 +40,7 @@ const CASES: &[Case] = &[
             ("convert s.csv @", "s.csv"),
             ("convert t.bsdf @", "t.bsdf"),
             ("convert model:sgd:name=felt,file=sgd.csv @", "sgd.csv"),
+            ("convert model:lambert:albedo=lamp.csv @", "lamp.csv"),
         ],
     },
     Case {
@@ -63,7 +64,7 @@ const CASES: &[Case] = &[
     },
     Case {
         call: "render --scene room --mesh a.obj --material net.f32le:one --lobes m.srbf --ground-material g.srbf \
-            --ball-material b.srbf --env map.hdr --size 4x4 --spp 1 -o r.exr",
+            --ball-material b.srbf --env map.hdr --spectral lamp.csv --size 4x4 --spp 1 -o r.exr",
         inputs: &[
             ("mesh", "a.obj"),
             ("material", "net.f32le"),
@@ -73,9 +74,12 @@ const CASES: &[Case] = &[
             ("ground_material", "g.srbf"),
             ("ball_material", "b.srbf"),
             ("env", "map.hdr"),
+            ("spectral", "lamp.csv"),
         ],
         writes: &["r.exr", "r.png"],
-        onto: &[("render --env map.exr --size 4x4 --spp 1 -o @", "map.exr")],
+        onto: &[
+            ("render --env map.exr --size 4x4 --spp 1 -o @", "map.exr"),
+        ],
     },
     Case {
         call: "plot m.srbf --against t.bsdf --env map.hdr --html -o p.png",
@@ -127,6 +131,7 @@ fn place(name: &str) -> std::path::PathBuf {
     std::fs::create_dir(place.join("sub")).unwrap();
     std::fs::write(place.join("net_names.txt"), "one").unwrap();
     std::fs::write(place.join("s.csv"), rows()).unwrap();
+    std::fs::write(place.join("lamp.csv"), "400,0.2\n700,0.8\n").unwrap();
     std::fs::write(place.join("s.json"), rows()).unwrap();
     std::fs::write(place.join("sgd.csv"), SGD).unwrap();
     place

@@ -168,7 +168,7 @@ pub fn exports(bytes: &[u8]) -> bool {
         intake.rows.len() + intake.left_out.iter().map(|left_out| left_out.count).sum::<usize>()
     };
     let written: usize = table.views.iter().map(|view| view.samples.len()).sum();
-    assert_eq!(count(csv::parse, export::csv(&table)), written, "{text}");
+    assert_eq!(count(csv::parse, export::csv(&table, None)), written, "{text}");
     assert_eq!(count(astm::parse, export::astm(&table)), written, "{text}");
     true
 }

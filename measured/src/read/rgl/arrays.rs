@@ -220,6 +220,24 @@ fn colours(
     (0..used).map(colour).collect()
 }
 
+/// Pictures of three wavelengths in place of a colour, of each outgoing direction.
+///
+/// # Errors
+/// A field `spectra` that is not as [`read`] found it.
+pub(super) fn wavelengths(
+    file: &File<'_>,
+    views: usize,
+    of: [usize; 3],
+) -> Result<Vec<[Grid; 3]>, ReadError> {
+    let field = file.numbers_or_holes("spectra", 5)?;
+    let (channels, slices) = (field.shape[2], field.shape[0] * field.shape[1]);
+    if views > slices || of.iter().any(|&n| n >= channels) {
+        return fail(format!("field spectra: {slices} slices of {channels} channels where more were expected"));
+    }
+    let one = |n: usize, of: usize| picture("spectra", &field, n * channels + of);
+    (0..views).map(|n| Ok([one(n, of[0])?, one(n, of[1])?, one(n, of[2])?])).collect()
+}
+
 /// The warps by brightness that directions are drawn with: of `luminance` if there is one, else of the colours. Where all is black
 /// every point is as good.
 fn luminances(

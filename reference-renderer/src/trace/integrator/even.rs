@@ -7,6 +7,7 @@
 use crate::numbers::points::{Decision, Points, PointsName, shifts};
 use crate::shade::shader::Scattering;
 use crate::trace::camera::Camera;
+use crate::trace::carried::Rgb;
 use crate::trace::frame::{Frame, look};
 use crate::trace::integrator::even_by_density::{self, RAYS};
 use crate::trace::openness::{Openness, SurveyedPath};
@@ -66,7 +67,7 @@ impl Lighting {
             let ray = camera.ray(across * size[0] as f32, down * size[1] as f32);
             let Some(surface) = scene.hit(&ray) else { continue };
             let Some(frame) = look(&surface, &ray, &mut scattering) else { continue };
-            let path = Path { scene, settings, points };
+            let path = Path { scene, settings, points, carried: Rgb };
             let drawn = path.draw_together(&lighting, &frame, &scattering);
             seen.push(path.survey(&frame, &drawn));
         }

@@ -2,6 +2,7 @@
 
 use crate::numbers::points::{Decision, Points};
 use crate::trace::camera::Camera;
+use crate::trace::carried::Rgb;
 use crate::trace::frame::Frame;
 use crate::trace::path::Path;
 use crate::trace::scene::Scene;
@@ -13,7 +14,7 @@ use std::hint::black_box;
 /// Follows the path of a pixel at random, the `i`-th, with a shadow ray at each surface; the reflection is a cosine.
 pub fn skeleton(scene: &Scene<'_>, camera: &Camera, size: [u32; 2], settings: &RenderSettings, i: u64) {
     let points = Points::new(settings.points, settings.seed, i, 0);
-    let path = Path { scene, settings, points };
+    let path = Path { scene, settings, points, carried: Rgb };
     let [across, down, ..] = points.draw(Decision::Pixel, 0);
     let mut ray: Ray = camera.ray(across * size[0] as f32, down * size[1] as f32);
     for bounce in 0..settings.max_bounces {

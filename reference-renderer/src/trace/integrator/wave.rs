@@ -6,6 +6,7 @@
 use super::{ROULETTE_FROM, Rival};
 use crate::numbers::points::{Decision, Points};
 use crate::shade::Light;
+use crate::trace::carried::Rgb;
 use crate::trace::frame::Frame;
 use crate::trace::path::Path;
 use crate::trace::scene::Scene;
@@ -90,7 +91,7 @@ pub fn wave<'a>(
 /// The light where a path leaves the scene, times its throughput.
 fn escaped(scene: &Scene<'_>, settings: &RenderSettings, traveller: &Traveller) -> Vec3 {
     let Some(pdf) = traveller.pdf else { return scene.environment.radiance(traveller.ray.direction) };
-    let path = Path { scene, settings, points: traveller.points };
+    let path = Path { scene, settings, points: traveller.points, carried: Rgb };
     traveller.throughput * path.found(traveller.ray.direction, Rival::Sample(pdf))
 }
 
@@ -113,7 +114,7 @@ fn meet<'a>(
             continue;
         };
         let place = matches!(settings.light, Light::Mis | Light::Only).then(|| {
-            let path = Path { scene, settings, points: traveller.points };
+            let path = Path { scene, settings, points: traveller.points, carried: Rgb };
             let place = path.light_place(bounce);
             scene.environment.prefetch_place(place);
             place
