@@ -48,6 +48,30 @@ fn single(c: &mut Criterion) {
             });
         });
         group.finish();
+        // A hit of a path: colours, and values at the path's four wavelengths.
+        let primaries = material.primaries(&[440.0, 515.0, 590.0, 665.0]);
+        let mut hit = |i: usize| {
+            material.prepare(black_box(directions[i]), &mut mixture).unwrap();
+            let (value, pdf) = mixture.evaluate_and_pdf(black_box(directions[i ^ 1]));
+            let weight = mixture.sample(black_box(uniforms[i])).map_or(Vec3::ZERO, |s| s.weight * s.pdf);
+            (value * pdf, weight)
+        };
+        let mut group = c.benchmark_group(format!("one-hit.{}", level.name()));
+        group.bench_function(BenchmarkId::new("garnet", "colours"), |b| {
+            b.iter(|| {
+                let (value, weight) = hit(next());
+                black_box(value);
+                black_box(weight);
+            });
+        });
+        group.bench_function(BenchmarkId::new("garnet", "wavelengths"), |b| {
+            b.iter(|| {
+                let (value, weight) = hit(next());
+                black_box(primaries.of(value));
+                black_box(primaries.of(weight));
+            });
+        });
+        group.finish();
     }
     let (lobes, mixture) = (general_lobes(12), general_mixture(12));
     let mut group = c.benchmark_group("one-evaluate.rust-libm");

@@ -18,6 +18,7 @@ mod presets;
 mod residuals;
 mod samples;
 mod slice;
+mod spectra;
 mod stability;
 mod stated;
 mod survey;
@@ -55,6 +56,7 @@ enum Command {
     LeaveOut(leave_out::Args),
     Samples(samples::Args),
     Slice(slice::Args),
+    Spectra(spectra::Args),
     Verdicts(verdicts::Args),
     Residuals(residuals::Args),
     BenchReport(bench_report::Args),
@@ -79,6 +81,7 @@ fn main() -> ExitCode {
             Command::LeaveOut(args) => leave_out::run(args),
             Command::Samples(args) => samples::run(args),
             Command::Slice(args) => slice::run(args),
+            Command::Spectra(args) => spectra::run(&args),
             Command::Verdicts(args) => verdicts::run(&args),
             Command::Residuals(args) => residuals::run(&args),
             Command::BenchReport(args) => bench_report::run(args),

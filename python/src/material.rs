@@ -12,7 +12,7 @@ use srbf_core::{Draws, MAX_LOBES, Mixture, Request, Towards, printable};
 use srbf_fit::judge::reciprocity::reciprocity;
 use srbf_fit::judge::report::{Input, Report, ViewReport};
 use srbf_fit::judge::verdict::Verdict;
-use srbf_fit::read::Content;
+use srbf_fit::read::{Content, Spectra};
 use srbf_fit::table::evaluation_views;
 use std::path::{Path, PathBuf};
 
@@ -137,8 +137,10 @@ impl Material {
             }
             None => String::new(),
         };
+        let map = self.material.spectral_map().and_then(|map| Spectra::of_map(map, None).ok());
+        let spectrum = map.map_or_else(String::new, |map| format!(", {}", map.text()));
         format!(
-            "<srbf_brdf.Material: {kind}, {} lobes, {} views{factors}, {} bytes>",
+            "<srbf_brdf.Material: {kind}, {} lobes, {} views{factors}{spectrum}, {} bytes>",
             self.material.lobe_count(),
             self.material.view_count(),
             self.material.bytes().len()

@@ -166,6 +166,7 @@ def test_spectra_of_colours(tmp_path):
     path.write_text("theta_i,phi_i,theta_o,phi_o,905nm\n" + "\n".join(rows))
     lidar = srbf.fit(path, lobes=1, starts=1, steps=2, exchanges=0, views=3, factors="none", progress=False)
     assert lidar.wavelengths.tolist() == [905] and any("905 nm" in line for line in lidar.verdict)
+    assert ", 905 nm," in repr(lidar) and "31 wavelengths from 400 to 700 nm" in repr(material)
     np.testing.assert_allclose(lidar.primaries([905]).of([0.25, 0.25, 0.25]), [0.25], rtol=1e-6)
     plain = srbf.fit("model:lambert:albedo=0.5", lobes=1, starts=1, steps=2, exchanges=0, views=2, progress=False)
     assert not plain.has_spectrum and plain.wavelengths.size == 0

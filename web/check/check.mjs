@@ -62,16 +62,17 @@ function turnedOver(rows, count) {
 /** Balls of the page beside those of `srbf render`, under lights of the page as maps. */
 async function balls(page) {
     console.log("balls: difference from srbf render over the mean, noise of both, difference in noises");
-    for (const [light, name, size, material] of [[2, "sky", [512, 256], "cayman"], [1, "lamps", [1024, 512], "garnet_red"]]) {
+    for (const [light, name, size, material, lamp] of [[2, "sky", [512, 256], "cayman"], [1, "lamps", [1024, 512], "garnet_red"], [1, "lamps", [1024, 512], "garnet_red", "A"]]) {
         const numbers = await page.call(`Array.from(srbf.tracer.map(${light}, ${size[0]}, ${size[1]}))`);
         const map = join(taken, `${name}.hdr`);
         writeFileSync(map, radiance(numbers, ...size));
         const references = [0, 1].map((seed) => {
             const to = join(taken, `${material}-${seed}.exr`);
-            command("render", "--quiet", "--scene", "sphere", "--material", material, "--env", map, "--size", `${SIDE}x${SIDE}`, "--spp", "64", "--seed", String(seed), "-o", to);
+            const spectral = lamp ? ["--spectral", lamp] : [];
+            command("render", "--quiet", ...spectral, "--scene", "sphere", "--material", material, "--env", map, "--size", `${SIDE}x${SIDE}`, "--spp", "64", "--seed", String(seed), "-o", to);
             return blocks(exr(readFileSync(to)).pixels, 3);
         });
-        await page.call(`document.querySelector("[data-name=${material}]").click(), srbf.tracer.light = ${light}, srbf.tracer.home()`);
+        await page.call(`document.querySelector("#illuminants [value=${lamp ?? "D65"}]").click(), document.querySelector("[data-name=${material}]").click(), srbf.tracer.light = ${light}, srbf.tracer.home()`);
         const halves = [];
         for (const first of [0, 5000]) {
             const rows = await page.call(`Array.from(srbf.tracer.rendered(${SIDE}, ${SIDE}, ${PICTURES}, ${first}))`);
@@ -80,10 +81,10 @@ async function balls(page) {
         const [ours, theirs] = [both(...halves), both(...references)];
         const noise = 0.5 * Math.hypot(apart(...halves), apart(...references));
         const difference = apart(ours, theirs);
-        console.log(`  ${material} under ${name}: ${(100 * difference).toFixed(2)} %, noise ${(100 * noise).toFixed(2)} %, ${(difference / noise).toFixed(2)} noises`);
+        console.log(`  ${material} under ${name}${lamp ? `, ${lamp}` : ""}: ${(100 * difference).toFixed(2)} %, noise ${(100 * noise).toFixed(2)} %, ${(difference / noise).toFixed(2)} noises`);
         expectThat(difference <= MOST_NOISES * noise && noise > 0 && noise < MOST_NOISE, `the ball of ${material} under ${name} is that of srbf render`);
     }
-    await page.call("srbf.tracer.set({ light: 2 })");
+    await page.call(`document.querySelector("#illuminants [value=D65]").click(), srbf.tracer.set({ light: 2 })`);
 }
 
 /** Material, keys, slider, faults. */
@@ -101,6 +102,12 @@ async function used(page) {
     await page.key("ArrowRight");
     expectThat(await page.call(`document.getElementById("degrees").value`) === String(Number(degrees) + 1), "an arrow key moves the slider");
     expectThat(await page.call(curve) !== path, "the curves follow the slider");
+    const shape = `document.querySelector("#spectrum .all").getAttribute("d")`;
+    const spectrum = await page.call(shape);
+    await page.call(`document.getElementById("marked").focus()`);
+    await page.key("ArrowRight");
+    expectThat(spectrum.split("L").length === 31 && await page.call(shape) !== spectrum, "the spectrum follows the marked light");
+    expectThat(!await page.call(`document.getElementById("illuminants").hidden`), "a material with spectra has a choice of lights");
     // All that can be done is reached by the tab key.
     const reached = new Set();
     await page.call("document.activeElement.blur()");
@@ -108,7 +115,7 @@ async function used(page) {
         await page.key("Tab");
         reached.add(await page.call(`document.activeElement.id || document.activeElement.name || document.activeElement.dataset.name || document.activeElement.dataset.ending || ""`));
     }
-    for (const name of ["file", "canvas", "shapes", "lights", "scales", "exposure", "degrees", "garnet_red", "srbf", "glsl", "bsdf", "binary"]) expectThat(reached.has(name), `the tab key reaches ${name}`);
+    for (const name of ["file", "canvas", "shapes", "lights", "illuminants", "scales", "exposure", "degrees", "marked", "garnet_red", "srbf", "glsl", "bsdf", "binary"]) expectThat(reached.has(name), `the tab key reaches ${name}`);
     // A file that is none.
     const bytes = readFileSync(join(folder, "presets", "cayman.srbf"));
     bytes[100] ^= 1;

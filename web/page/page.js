@@ -1,11 +1,12 @@
 // The page: what is clicked, dropped and shown.
-import { LIGHTS, SHAPES, Tracer } from "./tracer.js";
-import { COLUMNS, draw, nearest } from "./plot.js";
+import { DAYLIGHT, LIGHTS, SHAPES, Tracer } from "./tracer.js";
+import { COLUMNS, columnOf, draw, drawSpectrum, nearest } from "./plot.js";
 import { exported, hasFitter, looked, opened } from "./opener.js";
 import { decoded } from "./tree.js";
 
 const data = self.srbfData;
 const at = (id) => document.getElementById(id);
+const ILLUMINANTS = ["D65", "A", "F11"]; // daylight, an incandescent lamp, a fluorescent one
 const THUMBNAIL = 96; // pixels of the picture of a preset
 const options = new URLSearchParams(location.hash.slice(1));
 
@@ -134,7 +135,9 @@ function plot() {
     at("degrees-text").textContent = `${degrees}°`;
     const view = nearest(shown.json.data, degrees);
     const curves = tracer.curves(degrees, COLUMNS);
-    draw(at("curves"), curves, { degrees, isLogarithmic, width: Math.max(at("curves").clientWidth, 280), points: view?.points ?? [] });
+    const spectra = shown.json.spectra, marked = Number(at("marked").value);
+    const width = Math.max(at("curves").clientWidth, 280);
+    draw(at("curves"), curves, { degrees, isLogarithmic, width, points: view?.points ?? [], marked: spectra ? marked : null });
     const lobes = tracer.numbers.lobes + tracer.numbers.mirrored;
     const entry = (kind, text) => make("span", {}, make("i", kind ? { class: kind } : {}), text);
     const entries = [entry("of-all", "all of them"), entry("", `each of ${lobes} lobes`), entry("of-diffuse", "diffuse")];
@@ -144,7 +147,24 @@ function plot() {
     let best = 0;
     for (let i = 0; i < COLUMNS; i++) if (row[4 * i] > row[4 * best]) best = i;
     const peak = Math.round((180 * best) / (COLUMNS - 1) - 90);
+    if (spectra) spectrum(spectra, row, marked, width);
     at("curves-text").textContent = `Seen at ${degrees} degrees, f cos is largest towards light at ${peak} degrees: ${row[4 * best].toPrecision(3)} per steradian.`;
+}
+
+/** The spectrum towards a direction of the light that is marked among the lobes. */
+function spectrum({ nm, columns }, row, marked, width) {
+    const rgb = row.slice(4 * columnOf(marked) + 1, 4 * columnOf(marked) + 4);
+    const values = columns.map((column) => Math.max(column[0] * rgb[0] + column[1] * rgb[1] + column[2] * rgb[2], 0));
+    at("marked-text").textContent = `${marked}°`;
+    drawSpectrum(at("spectrum"), nm, values, width);
+    const most = values.indexOf(Math.max(...values));
+    at("spectrum-text").textContent = `With light at ${marked} degrees, f cos is ${values[most].toPrecision(3)} per steradian at ${nm[most]} nm${nm.length > 1 ? ", its largest" : ""}.`;
+}
+
+/** The colours under a light, if the material has its spectra. */
+function lit(name) {
+    tracer?.set({ seen: shown?.json.spectra?.lights[name] ?? DAYLIGHT });
+    run();
 }
 
 // A material
@@ -176,6 +196,10 @@ function show(material) {
     document.title = `${titled(name)}, srbf`;
     at("facts").replaceChildren(...facts.flatMap(([label, text]) => [make("dt", {}, label), make("dd", {}, text)]));
     verdict(material.json.verdict, findings);
+    const spectra = material.json.spectra;
+    at("spectrum-part").hidden = !spectra;
+    at("illuminants").hidden = Object.keys(spectra?.lights ?? {}).length === 0;
+    lit(at("illuminants").querySelector(":checked")?.value);
     for (const button of at("presets").children) button.setAttribute("aria-pressed", String(button.dataset.name === material.preset));
     const views = material.json.data?.views ?? [];
     const degrees = Number(at("degrees").value);
@@ -325,12 +349,13 @@ function begin() {
     }
     choices(at("shapes"), SHAPES, "ball", (shape) => { tracer?.set({ shape }); describe(); run(); });
     choices(at("lights"), LIGHTS, "sky", (light) => { tracer?.set({ light: LIGHTS.indexOf(light) }); describe(); run(); });
+    choices(at("illuminants"), ILLUMINANTS, "D65", lit);
     choices(at("scales"), ["log", "linear"], "log", (scale) => { isLogarithmic = scale === "log"; plot(); });
     at("exposure").addEventListener("input", (event) => {
         tracer?.set({ exposure: Number(event.target.value) });
         run();
     });
-    at("degrees").addEventListener("input", plot);
+    for (const id of ["degrees", "marked"]) at(id).addEventListener("input", plot);
     at("cancel").addEventListener("click", () => fitting?.end());
     at("fitting").addEventListener("cancel", () => fitting?.end());
     at("version").textContent = `srbf ${data.version}`;

@@ -27,9 +27,9 @@ function short(value) {
  * Draws curves into an SVG element.
  * @param {SVGSVGElement} svg
  * @param {Float32Array[]} curves rows as the tracer gives them: all, each lobe, the diffuse term; four numbers an angle
- * @param {{ degrees: number, isLogarithmic: boolean, width: number, points: number[][] }} options
+ * @param {{ degrees: number, isLogarithmic: boolean, width: number, points: number[][], marked: ?number }} options
  */
-export function draw(svg, curves, { degrees, isLogarithmic, width, points }) {
+export function draw(svg, curves, { degrees, isLogarithmic, width, points, marked }) {
     const height = Math.round(Math.min(Math.max(0.56 * width, 240), 380));
     const [left, right, top, bottom] = [46, 10, 26, 40];
     svg.setAttribute("viewBox", `0 0 ${width} ${height}`);
@@ -94,4 +94,51 @@ export function draw(svg, curves, { degrees, isLogarithmic, width, points }) {
         if (value > low) add(drawn, "circle", { class: "point", cx: x(angle).toFixed(1), cy: y(value).toFixed(1), r: radius });
     }
     add(drawn, "path", { class: "all", d: path(all) });
+    if (marked !== null) {
+        const at = { cx: x(marked), cy: y(total[columnOf(marked)]) };
+        add(drawn, "line", { class: "marked", x1: at.cx, x2: at.cx, y1: at.cy, y2: height - bottom });
+        add(drawn, "circle", { class: "marked", ...at, r: 4 });
+    }
+}
+
+/** The place of an angle of the light in a curve. */
+export const columnOf = (angle) => Math.round(((angle + 90) / 180) * (COLUMNS - 1));
+
+/**
+ * Draws a spectrum into an SVG element.
+ * @param {SVGSVGElement} svg
+ * @param {number[]} nm wavelengths, rising
+ * @param {number[]} values f cos at these
+ * @param {number} width
+ */
+export function drawSpectrum(svg, nm, values, width) {
+    const height = Math.round(Math.min(Math.max(0.36 * width, 150), 240));
+    const [left, right, top, bottom] = [46, 10, 20, 36];
+    svg.setAttribute("viewBox", `0 0 ${width} ${height}`);
+    svg.setAttribute("height", height);
+    svg.replaceChildren();
+    const add = (name, attributes, text) => svg.appendChild(element(name, attributes, text));
+    const [first, last] = [nm[0], nm[nm.length - 1]];
+    const [low, high] = last > first ? [first, last] : [first - 50, first + 50];
+    const most = 1.08 * Math.max(...values, 1e-9);
+    const x = (at) => left + ((at - low) / (high - low)) * (width - left - right);
+    const y = (value) => top + (1 - value / most) * (height - top - bottom);
+    const step = [10, 20, 50, 100, 200, 500, 1000].find((step) => (high - low) / step <= (width < 420 ? 4 : 7)) ?? 2000;
+    for (let at = Math.ceil(low / step) * step; at <= high; at += step) {
+        const grid = svg.appendChild(element("g", { class: "grid" }));
+        grid.append(element("line", { x1: x(at), x2: x(at), y1: top, y2: height - bottom }));
+        grid.append(element("text", { x: x(at), y: height - bottom + 15, "text-anchor": "middle" }, String(at)));
+    }
+    for (const share of [0, 0.5, 1]) {
+        const value = (share * most) / 1.08;
+        const grid = svg.appendChild(element("g", { class: "grid" }));
+        grid.append(element("line", { x1: left, x2: width - right, y1: y(value), y2: y(value) }));
+        const label = value === 0 ? ["0"] : short(value).split("^");
+        const text = grid.appendChild(element("text", { x: left - 6, y: y(value) + 4, "text-anchor": "end" }, label[0]));
+        if (label[1]) text.appendChild(element("tspan", { dy: -4, class: "power" }, label[1]));
+    }
+    add("text", { x: (left + width - right) / 2, y: height - 4, "text-anchor": "middle" }, "wavelength, nm");
+    add("text", { x: left - 40, y: 11 }, "f cos, 1/sr");
+    add("path", { class: "all", d: values.map((value, n) => `${n > 0 ? "L" : "M"}${x(nm[n]).toFixed(1)} ${y(value).toFixed(1)}`).join("") });
+    if (nm.length <= 8) values.forEach((value, n) => add("circle", { class: "marked", cx: x(nm[n]), cy: y(value), r: 4 }));
 }

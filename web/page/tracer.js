@@ -9,6 +9,9 @@ const MOST = 2048; // pictures that are averaged
 const GOAL = 90; // milliseconds that a picture is to take: coarser ones take less
 const [FIRST_SCALE, LEAST_SCALE] = [0.4, 0.25]; // pixels of the sum to one of the canvas, along a side
 
+/** In daylight colours are what they are. */
+export const DAYLIGHT = [1, 0, 0, 0, 1, 0, 0, 0, 1];
+
 /** Stops by which pictures are brightened, so that lights are about as bright as each other. */
 const STOPS = [0.3, 0.5, 0.9];
 
@@ -218,6 +221,7 @@ uniform vec3 up;
 uniform vec2 middle;
 uniform uint frame;
 uniform vec4 shifts[3];
+uniform mat3 seen;
 const vec3 GROUND_ALBEDO = vec3(0.52, 0.51, 0.50);
 out vec4 sum;
 ${shape === "ball" ? balls : meshes}
@@ -272,7 +276,7 @@ void main() {
             SrbfValue f;
             f.value = GROUND_ALBEDO * (wi.z / PI);
             f.pdf = wi.z / PI;
-            if (!h.is_ground) { f = srbf_evaluate(material, mixture, wi); }
+            if (!h.is_ground) { f = srbf_evaluate(material, mixture, wi); f.value = seen * f.value; }
             light_sum += carried * bright_light(towards) * f.value / (bright_density(towards) + f.pdf);
         }
         // A direction of the lobes.
@@ -284,6 +288,7 @@ void main() {
             s.weight = GROUND_ALBEDO;
         } else {
             s = srbf_sample(material, mixture, first.xyz);
+            s.weight = seen * s.weight;
         }
         d = normalize(surface * s.wi);
         if (s.pdf <= 0.0 || dot(d, h.flat_normal) <= 0.0) { break; }
@@ -389,6 +394,7 @@ export class Tracer {
         this.scales = { ball: FIRST_SCALE, teapot: FIRST_SCALE };
         this.fixedScale = null;
         [this.shape, this.light, this.exposure] = ["ball", 2, 0];
+        this.seen = DAYLIGHT; // the colours of the material's red, green and blue
         this.turns = Object.fromEntries(SHAPES.map((shape) => [shape, { ...STANDPOINTS[shape] }]));
         this.targets = [];
         this.count = 0;
@@ -540,6 +546,7 @@ export class Tracer {
         for (const [name, vector] of Object.entries({ eye, forward, right, up })) gl.uniform3fv(place(name), vector);
         gl.uniform2f(place("middle"), to.width / 2, to.height / 2);
         gl.uniform1i(place("light"), this.light);
+        gl.uniformMatrix3fv(place("seen"), false, this.seen);
         const number = this.first + count;
         gl.uniform1ui(place("frame"), number);
         // Multiples of powers of a root: points that fill a cube of twelve dimensions evenly (Roberts 2018).
@@ -627,12 +634,14 @@ export class Tracer {
         const { gl } = this;
         const words = this.texture("words", wordsOf(bytes, "a preset", WIDTH), 1);
         const targets = [this.target(size, size), this.target(size, size)];
-        const [light, turn] = [this.light, this.turns.ball];
+        const [light, turn, seen] = [this.light, this.turns.ball, this.seen];
         this.light = 2;
+        this.seen = DAYLIGHT;
         this.turns.ball = { ...STANDPOINTS.ball, distance: 5.2 };
         for (let i = 0; i < pictures; i++) this.add(targets, i, words, "ball");
         this.light = light;
         this.turns.ball = turn;
+        this.seen = seen;
         const texture = gl.createTexture();
         gl.activeTexture(gl.TEXTURE4);
         gl.bindTexture(gl.TEXTURE_2D, texture);

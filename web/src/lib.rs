@@ -7,6 +7,7 @@ mod open;
 #[cfg(feature = "page")]
 mod page;
 mod points;
+mod spectra;
 
 pub use export::export;
 pub use open::{Opened, fitted, open};

@@ -1,13 +1,14 @@
 //! A file that is opened: a material as it is, or a measurement that is fitted.
 
 use crate::points::points;
+use crate::spectra::spectra;
 use serde_json::{Value, json};
 use srbf_core::{Material, printable, printable_lines};
 use srbf_evaluator::plain_bytes;
 use srbf_fit::judge::reciprocity::reciprocity;
 use srbf_fit::judge::report::{Report, factor_words};
 use srbf_fit::judge::verdict::Verdict;
-use srbf_fit::read::{Conventions, Source, read_from};
+use srbf_fit::read::{Conventions, Source, Spectra, read_from};
 use srbf_fit::{Settings, fit_source};
 
 /// First bytes of a `.srbf` file.
@@ -18,7 +19,7 @@ const MAGIC: &[u8] = b"\x89SRBF";
 pub struct Opened {
     /// The material, as `.srbf` bytes.
     pub bytes: Vec<u8>,
-    /// `name`, `facts` (label and text), `findings`, `verdict` and `data` (see the page's `plot.js`).
+    /// `name`, `facts` (label and text), `findings`, `verdict`, `data` (see the page's `plot.js`) and `spectra`.
     pub json: Value,
 }
 
@@ -32,7 +33,7 @@ pub fn open(name: &str, bytes: &[u8], progress: impl FnMut(f64) + Send) -> Resul
     if bytes.starts_with(MAGIC) {
         let name = &printable(name).to_string();
         let material = Material::from_bytes(bytes).map_err(|error| format!("{name}: {error}"))?;
-        let json = json!({"name": stem(name), "facts": facts(&material), "findings": [], "verdict": [], "data": null});
+        let json = json!({"name": stem(name), "facts": facts(&material), "findings": [], "verdict": [], "data": null, "spectra": spectra(&material)});
         return Ok(Opened { bytes: plain_bytes(&material).into_owned(), json });
     }
     let source = read_from(name, bytes, &Conventions::default()).map_err(|error| error.to_string())?;
@@ -58,6 +59,7 @@ pub fn fitted(source: &Source, progress: impl FnMut(f64) + Send) -> Result<Opene
         "findings": findings(&fit.report),
         "verdict": lines,
         "data": points(&source.content),
+        "spectra": spectra(&material),
     });
     Ok(Opened { bytes: fit.bytes, json })
 }
@@ -81,11 +83,13 @@ fn facts(material: &Material<&[u8]>) -> Vec<[String; 2]> {
     let fact = |label: &str, text: String| [label.to_owned(), text];
     let factors = factor_words(material).unwrap_or_else(|| "none".to_owned());
     let kind = if material.is_isotropic() { "isotropic" } else { "anisotropic" };
+    let map = material.spectral_map().and_then(|map| Spectra::of_map(map, None).ok());
     vec![
         fact("size", format!("{} bytes", material.bytes().len())),
         fact("lobes", format!("{}, at {} views", material.lobe_count(), material.view_count())),
         fact("surface", kind.to_owned()),
         fact("factors", factors),
+        fact("spectrum", map.map_or_else(|| "none".to_owned(), |map| map.text())),
         fact("made of", printable_lines(material.provenance()).to_string().trim().to_owned()),
     ]
 }
@@ -140,6 +144,14 @@ mod tests {
             let error = open(name, bytes, |_| {}).unwrap_err();
             assert_eq!(error, printable(&error).to_string());
         }
+    }
+
+    #[test]
+    fn wavelengths_are_facts_of_a_material() {
+        let opened = open("a.srbf", PRESET, |_| {}).unwrap();
+        assert!(opened.json["facts"].to_string().contains("31 wavelengths from 400 to 700 nm"));
+        let plain = include_bytes!("../../tests/corpus/version2.srbf");
+        assert!(open("b.srbf", plain, |_| {}).unwrap().json["spectra"].is_null());
     }
 
     #[test]

@@ -25,6 +25,8 @@ use crate::world::mesh;
 use anyhow::{Context, bail, ensure};
 use cpu_time::ThreadTime;
 use glam::Vec3;
+use srbf_core::SpectralMap;
+use srbf_fit::read::Spectra;
 use std::path::PathBuf;
 use std::time::Instant;
 
@@ -347,7 +349,13 @@ fn print_cast(cast: &Cast, samplers: &[Sampler<'_>], strategy: Strategy) {
 /// The rendered material, in words.
 fn rendered(material: &LoadedMaterial) -> String {
     match (material.truth(), material.name()) {
-        (Truth::Lobes(lobes), name) => format!("{name}, lobes: {}", lobes.lobe_count()),
+        (Truth::Lobes(lobes), name) => {
+            // Of other wavelengths than the eye's, colours are no colours.
+            let map = lobes.spectral_map().filter(SpectralMap::is_grey);
+            let spectrum = map.and_then(|map| Spectra::of_map(map, None).ok());
+            let spectrum = spectrum.map_or_else(String::new, |map| format!(", {}", map.text()));
+            format!("{name}, lobes: {}{spectrum}", lobes.lobe_count())
+        }
         (Truth::Table(table), name) => match table.completed {
             Some(samples) => format!("{name}, {samples} samples completed"),
             None => format!("{name}, the table"),

@@ -227,3 +227,78 @@ fn a_look_says_what_was_read() {
     std::fs::write(place.join("bad.csv"), "theta_i,phi_i,theta_o,value\n1,2,3,x\n").unwrap();
     refused(&place, &["look", "samples.csv", "bad.csv"], &["bad.csv", "1 of 2 files"]);
 }
+
+/// Samples of a lidar: from the look at the file to a picture.
+#[test]
+fn a_single_wavelength_is_named_wherever_it_is_shown() {
+    let place = folder("lidar");
+    let rows: Vec<String> = (0..240)
+        .map(|n| [n % 8, n / 8 % 6, n / 48].map(f64::from))
+        .map(|[i, o, turn]| {
+            let (theta_i, theta_o, phi) = (0.17 * i, 0.05 + 0.2 * o, 0.785 * turn);
+            let value = 0.1 + (-20.0 * (theta_i - theta_o).powi(2) - 2.0 * (phi - 3.14).powi(2)).exp();
+            format!("[9.05e-07, {theta_i}, {theta_o}, {phi}, {value}]")
+        })
+        .collect();
+    let table = rows.join(", ");
+    let text = format!("{{\"metadata\": {{\"name\": \"lidar\"}}, \"brdf\": {{\"wavelengths\": [9.05e-07], \"lookupTable\": [{table}]}}}}");
+    std::fs::write(place.join("lidar.xompt"), text).unwrap();
+    let names = |call: &[&str]| {
+        let output = srbf(&place, call);
+        let text = String::from_utf8(output.stdout).unwrap();
+        assert!(output.status.success(), "{call:?}: {}", String::from_utf8_lossy(&output.stderr));
+        assert!(text.contains("905 nm"), "{call:?}: {text}");
+    };
+    names(&["look", "lidar.xompt"]);
+    names(&["look", "lidar.xompt", "--json"]);
+    names(&[&["fit", "lidar.xompt", "-o", "lidar.srbf", "--html"], &QUICK[..]].concat());
+    names(&["inspect", "lidar.srbf"]);
+    names(&["render", "--material", "lidar.srbf", "--size", "8x8", "--spp", "1", "-o", "lidar.exr"]);
+    names(&["convert", "lidar.srbf", "lidar.csv"]);
+    for (file, word) in [("lidar.json", "one wavelength, 905 nm"), ("lidar.html", "one wavelength, 905 nm"), ("lidar.csv", ",905nm")] {
+        let text = std::fs::read_to_string(place.join(file)).unwrap();
+        assert!(text.contains(word), "{file}");
+    }
+}
+
+/// Fits, samples and models of spectra become a column for each wavelength; these are read again.
+#[test]
+fn spectra_are_written_by_wavelength() {
+    let place = folder("wavelengths");
+    std::fs::write(place.join("paint.csv"), "nm,value\n400,0.1\n550,0.2\n700,0.6\n").unwrap();
+    let text = |call: &[&str]| {
+        let output = srbf(&place, call);
+        assert!(output.status.success(), "{call:?}: {}", String::from_utf8_lossy(&output.stderr));
+        String::from_utf8(output.stdout).unwrap()
+    };
+    let head = |file: &str| {
+        let text = std::fs::read_to_string(place.join(file)).unwrap();
+        text.lines().nth(1).unwrap().to_owned()
+    };
+    let said = text(&["convert", "garnet_red", "a.csv"]);
+    assert!(said.contains("31 wavelengths from 400 to 700 nm, by the colours"), "{said}");
+    assert!(head("a.csv").ends_with(",400nm,410nm,420nm,430nm,440nm,450nm,460nm,470nm,480nm,490nm,500nm,510nm,520nm,530nm,540nm,550nm,560nm,570nm,580nm,590nm,600nm,610nm,620nm,630nm,640nm,650nm,660nm,670nm,680nm,690nm,700nm"));
+    text(&["convert", "garnet_red", "b.csv", "--wavelengths", "450,650"]);
+    assert!(head("b.csv").ends_with("wo_z,450nm,650nm"));
+    refused(&place, &["convert", "garnet_red", "c.csv", "--wavelengths", "905"], &["--wavelengths", "400 to 700"]);
+    // Samples with spectra of their own keep these to the digit.
+    text(&["convert", "a.csv", "d.csv"]);
+    let rows = |file: &str| {
+        let text = std::fs::read_to_string(place.join(file)).unwrap();
+        let mut rows: Vec<Vec<f64>> =
+            text.lines().skip(2).map(|line| line.split(',').skip(6).map(|v| v.parse().unwrap()).collect()).collect();
+        rows.sort_by(|a, b| a.partial_cmp(b).unwrap());
+        rows
+    };
+    text(&["convert", "model:lambert:albedo=paint.csv", "e.csv"]);
+    assert_eq!(head("e.csv"), "wi_x,wi_y,wi_z,wo_x,wo_y,wo_z,400nm,550nm,700nm");
+    for row in rows("e.csv") {
+        let apart = row.iter().zip([0.1, 0.2, 0.6]).map(|(a, b)| (a * std::f64::consts::PI / b - 1.0).abs());
+        assert!(apart.fold(0.0, f64::max) < 2e-3, "{row:?}");
+    }
+    text(&["convert", "e.csv", "f.csv"]);
+    assert_eq!(rows("e.csv"), rows("f.csv"));
+    refused(&place, &["convert", "model:lambert:albedo=none.csv", "g.csv"], &["none.csv", "spectrum"]);
+    let said = text(&["convert", "garnet_red", "h.astm"]);
+    assert!(!said.contains("wavelengths"), "{said}");
+}

@@ -50,6 +50,33 @@ fn every_sampler_is_called_by_name() {
     refused(&["--light", "on"], &["--light", "only"]);
 }
 
+/// Under a light that a file has; the furnace in daylight has the albedo of colours.
+#[test]
+fn pictures_are_spectral_by_option() {
+    let place = folder("spectral");
+    std::fs::write(place.join("lamp.txt"), "# a lamp\n380 1\n780 4\n").unwrap();
+    let render = |options: &[&str]| {
+        let call = [&["render", "--size", "12x12", "--spp", "16", "-o", "a.exr"], options].concat();
+        let output = srbf(&place, &call);
+        assert!(output.status.success(), "{call:?}: {}", String::from_utf8_lossy(&output.stderr));
+        String::from_utf8(output.stdout).unwrap()
+    };
+    let said = render(&["--spectral", "--scene", "furnace", "--material", "garnet_red"]);
+    assert!(said.contains("under D65") && said.contains("white furnace"), "{said}");
+    let said = render(&["--spectral", "f11", "--scene", "teapot", "--sampler", "product"]);
+    assert!(said.contains("under F11; colours are made smooth spectra of matte"), "{said}");
+    let said = render(&["--spectral", "lamp.txt", "--material", "model:ggx:alpha=0.3"]);
+    assert!(said.contains("under lamp.txt; colours are made smooth spectra of"), "{said}");
+    let refused = |options: &[&str], says: &[&str]| {
+        refused(&place, &[&["render", "-o", "b.exr", "--spectral"], options].concat(), says);
+    };
+    refused(&["D50"], &["D50", "F11"]);
+    refused(&["none.txt"], &["none.txt"]);
+    std::fs::write(place.join("bad.txt"), "400 1\n500 x\n").unwrap();
+    refused(&["bad.txt"], &["bad.txt", "line 2"]);
+    refused(&["--wavefront"], &["--wavefront", "--spectral"]);
+}
+
 #[test]
 fn scenes_load_what_they_use_and_say_what_they_left_out() {
     let place = folder("scenes");
