@@ -6,7 +6,7 @@ use srbf_core::Material;
 use srbf_fit::Settings;
 use srbf_fit::fit_source;
 use srbf_fit::judge::spectral::SpectralReport;
-use srbf_fit::read::{SpectralErrors, read};
+use srbf_fit::read::{Conventions, SpectralErrors, read_with};
 use srbf_reference_renderer::command::argument;
 use srbf_reference_renderer::numbers::points::PointsName;
 use srbf_reference_renderer::out::progress::Progress;
@@ -19,10 +19,11 @@ use srbf_reference_renderer::trace::settings::RenderSettings;
 use srbf_reference_renderer::truth::stored::StoredMaterial;
 use srbf_reference_renderer::world::environment::sky;
 use srbf_reference_renderer::world::illuminant::Illuminant;
+use std::f64::consts::PI;
 use std::fmt::Write;
 use std::path::{Path, PathBuf};
 
-/// Fits the measured spectra, and says how far those of the fits are off, by the samples' own colours and by the fit's.
+/// Fits the measured spectra, and says how far those of the fits are off, by the samples' own colours (`colours`) and by the fit's (`fit`).
 ///
 /// SRBF_DATA_DIR names the folder that holds them. Some minutes.
 #[derive(Debug, clap::Args)]
@@ -41,18 +42,19 @@ const BALLS: [&str; 2] = ["garnet_red", "krylon_blue"];
 const SIDE: u32 = 180;
 const SAMPLES: u32 = 1024;
 
-/// Measured files of spectra, under the folder of the data.
-const FILES: [&str; 6] = [
-    "cornell/garnet_red.brdf",
-    "cornell/krylon_blue.brdf",
-    "cornell/cayman.brdf",
-    "cornell/acryl_blue.brdf",
-    "field/in_plane_spectra.csv",
-    "field/lidar_905nm.xompt",
+/// Measured files of spectra, under the folder of the data,
+/// and what their values are divided by: those in one plane are reflectance factors.
+const FILES: [(&str, f64); 6] = [
+    ("cornell/garnet_red.brdf", 1.0),
+    ("cornell/krylon_blue.brdf", 1.0),
+    ("cornell/cayman.brdf", 1.0),
+    ("cornell/acryl_blue.brdf", 1.0),
+    ("field/in_plane_spectra.csv", PI),
+    ("field/lidar_905nm.xompt", 1.0),
 ];
 
-const HEAD: &str = "file,wavelengths,bytes of the block,\"samples' colours: error, %\",worst wavelength in nm,\"error there, %\",dE under D65,under A,under F11,\
-    \"fit: error, %\",worst wavelength in nm,\"error there, %\",dE under D65,under A,under F11\n";
+const HEAD: &str = "file,wavelengths,bytes of the block,\"colours: error, %\",colours: worst nm,\"colours: error there, %\",colours: dE under D65,\
+    colours: under A,colours: under F11,\"fit: error, %\",fit: worst nm,\"fit: error there, %\",fit: dE under D65,fit: under A,fit: under F11\n";
 
 /// Runs the command.
 pub fn run(args: &Args) -> anyhow::Result<()> {
@@ -62,8 +64,9 @@ pub fn run(args: &Args) -> anyhow::Result<()> {
     let data = argument::data_folder()?;
     output::check_place(&args.output)?;
     let mut table = HEAD.to_owned();
-    for file in FILES {
-        let source = read(&data.join(file))?;
+    for (file, divisor) in FILES {
+        let conventions = Conventions { divide: divisor, ..Conventions::default() };
+        let source = read_with(&data.join(file), &conventions)?;
         let fit = fit_source(&source, &Settings::default(), |_| {}).context(file)?;
         let material = Material::from_bytes(fit.bytes.as_slice())?;
         let map = material.spectral_map().with_context(|| format!("{file}: no spectra"))?;
@@ -115,9 +118,8 @@ fn balls(path: &Path) -> anyhow::Result<()> {
 
 /// Cells of one kind of colours.
 fn errors(of: &SpectralErrors, (nm, worst): (f64, f64)) -> String {
-    let colour = of.colour.map_or_else(
-        || ",,".to_owned(),
-        |of| of.map(|[median, _]| format!("{median:.2}")).join(","),
-    );
+    let colour = of
+        .colour
+        .map_or_else(|| ",,".to_owned(), |of| of.map(|[median, _]| format!("{median:.2}")).join(","));
     format!("{:.1},{nm},{:.1},{colour}", 100.0 * of.error, 100.0 * worst)
 }

@@ -95,7 +95,9 @@ mod tests {
     use crate::read::Content;
 
     pub(super) fn model(text: &str) -> Box<dyn Brdf + Send> {
-        let Content::Evaluable(brdf) = read::read(format!("model:{text}").as_ref()).unwrap().content else { panic!() };
+        let Content::Evaluable(brdf) = read::read(format!("model:{text}").as_ref()).unwrap().content else {
+            panic!()
+        };
         brdf
     }
 

@@ -49,8 +49,8 @@ use sha2::{Digest, Sha256};
 use srbf_core::printable;
 use std::path::Path;
 
-pub use crate::file::{check_memory, read_at_most, read_if};
 pub use crate::file::spectrum::SpectralCurve;
+pub use crate::file::{check_memory, read_at_most, read_if};
 pub use crate::row::Row;
 pub use chosen::ChosenWavelengths;
 pub use conventions::{Angles, Conventions, Mirror, Values};

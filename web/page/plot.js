@@ -113,7 +113,7 @@ export const columnOf = (angle) => Math.round(((angle + 90) / 180) * (COLUMNS - 
  */
 export function drawSpectrum(svg, nm, values, width) {
     const height = Math.round(Math.min(Math.max(0.36 * width, 150), 240));
-    const [left, right, top, bottom] = [46, 10, 20, 36];
+    const [left, right, top, bottom] = [46, 16, 20, 36];
     svg.setAttribute("viewBox", `0 0 ${width} ${height}`);
     svg.setAttribute("height", height);
     svg.replaceChildren();

@@ -48,7 +48,10 @@ mod tests {
             assert!((value - f64::from(u8::from(n % 4 == 0))).abs() < 1e-3, "{day:?}");
         }
         let found = spectra(&material);
-        assert_eq!((&found["text"], found["columns"].as_array().unwrap().len()), (&json!("31 wavelengths from 400 to 700 nm"), 31));
+        assert_eq!(
+            (&found["text"], found["columns"].as_array().unwrap().len()),
+            (&json!("31 wavelengths from 400 to 700 nm"), 31)
+        );
         assert!(found["lights"]["A"][0].as_f64().unwrap() > 1.05, "{found}");
         assert!(found["lights"].get("F11").is_some() && found["lights"].get("D65").is_none());
     }

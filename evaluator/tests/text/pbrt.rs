@@ -65,9 +65,8 @@ fn the_bxdf_of_pbrt_has_the_values_of_the_library() {
             material.prepare(wo, &mut mixture).expect("a direction");
             let (value, pdf) = mixture.evaluate_and_pdf(wi);
             let expected = primaries.of(value / wi.z);
-            let apart = |found: &[f32], expected: &[f32; 4]| {
-                largest(&[0, 1, 2, 3].map(|k| found[k] - expected[k]))
-            };
+            let apart =
+                |found: &[f32], expected: &[f32; 4]| largest(&[0, 1, 2, 3].map(|k| found[k] - expected[k]));
             // A value is as exact as its colour, which it may be a small difference of.
             let size = largest(&value.to_array()).max(pdf * mixture.power()) / wi.z;
             worst[0] = worst[0].max(apart(&found[..4], &expected) / size);

@@ -63,8 +63,7 @@ impl SpectralReport {
         let mut mixture = Mixture::<MAX_LOBES>::empty();
         let mut failed = None;
         let of_fit = spectra.errors_of(|sample| {
-            let (view, light) =
-                if is_light_fixed { (sample.wi, sample.wo) } else { (sample.wo, sample.wi) };
+            let (view, light) = if is_light_fixed { (sample.wi, sample.wo) } else { (sample.wo, sample.wi) };
             // Scalar on every processor, as all that is reported.
             let prepared = material.prepare_with(view.map(|v| v as f32), Level::Scalar.into(), &mut mixture);
             failed = failed.take().or(prepared.err());

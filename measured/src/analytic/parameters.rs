@@ -2,8 +2,8 @@
 
 use super::{Colours, Given};
 use crate::ReadError;
-use std::path::Path;
 use std::ops::RangeInclusive;
+use std::path::Path;
 
 /// Parameters as they were given, each taken out once.
 pub(super) struct Parameters<'a> {

@@ -33,7 +33,11 @@ pub(crate) fn numbers(line: usize, text: &str, out: &mut [f64]) -> Result<(), Re
 }
 
 /// Parses words into `out.len()` finite numbers; `line` counts from 1.
-pub(crate) fn fill<'a>(line: usize, words: impl Iterator<Item = &'a str>, out: &mut [f64]) -> Result<(), ReadError> {
+pub(crate) fn fill<'a>(
+    line: usize,
+    words: impl Iterator<Item = &'a str>,
+    out: &mut [f64],
+) -> Result<(), ReadError> {
     for (index, (word, out)) in words.zip(out).enumerate() {
         *out = word.parse().ok().filter(|v: &f64| v.is_finite() && v.abs() <= 1e9).ok_or_else(|| {
             ReadError::Word {

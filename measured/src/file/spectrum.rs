@@ -86,7 +86,9 @@ impl SpectralCurve {
         points.iter_mut().for_each(|point| point[0] *= unit);
         points.sort_by(|a, b| a[0].total_cmp(&b[0]));
         if let Some([nm, _]) = points.iter().find(|point| !(100.0..=1e5).contains(&point[0])) {
-            return Err(ReadError::Content(format!("{nm} nm is no wavelength; 100 to 100000 nm is expected")));
+            return Err(ReadError::Content(format!(
+                "{nm} nm is no wavelength; 100 to 100000 nm is expected"
+            )));
         }
         if let Some(twice) = points.windows(2).find(|pair| pair[0][0] == pair[1][0]) {
             return Err(ReadError::Content(format!("wavelength {} nm stands there twice", twice[0][0])));

@@ -82,7 +82,8 @@ pub fn seen(weights: &[[f64; 3]]) -> Vec<[f64; 3]> {
         [0.4323053, 0.5183603, 0.0492912],
         [-0.0085287, 0.0400428, 0.9684867],
     ];
-    let by = |matrix: &[[f64; 3]; 3], v: [f64; 3]| matrix.map(|row| (0..3).map(|c| row[c] * v[c]).sum::<f64>());
+    let by =
+        |matrix: &[[f64; 3]; 3], v: [f64; 3]| matrix.map(|row| (0..3).map(|c| row[c] * v[c]).sum::<f64>());
     let white = by(&CONES, weighed(weights, std::iter::repeat(1.0)));
     let day = by(&CONES, xyz_of_rgb([1.0; 3]));
     let adapted = |xyz: &[f64; 3]| {
@@ -282,9 +283,11 @@ mod tests {
             assert!(apart < 1.5e-3, "{}: {found:?}", light.name());
         }
         // A lamp that was measured is the lamp of the tables; white is white to an eye that is used to it.
-        let text: String = (76..160).map(|n| format!("{} {}\n", 5 * n, 7.0 * incandescent(5.0 * f64::from(n)))).collect();
+        let text: String =
+            (76..160).map(|n| format!("{} {}\n", 5 * n, 7.0 * incandescent(5.0 * f64::from(n)))).collect();
         let measured = under(&SpectralCurve::parse(text.as_bytes()).unwrap()).unwrap();
-        let apart = measured.as_flattened().iter().zip(INCANDESCENT.as_flattened()).map(|(a, b)| (a - b).abs());
+        let apart =
+            measured.as_flattened().iter().zip(INCANDESCENT.as_flattened()).map(|(a, b)| (a - b).abs());
         assert!(apart.fold(0.0, f64::max) < 1e-3);
         for light in Illuminant::ALL {
             let seen = seen(&light.weights(&super::wavelengths()));

@@ -22,7 +22,8 @@ const PAIRS: usize = 3000;
 /// # Errors
 /// [`FitError`] with the parameter, and the file that it names.
 pub fn read(text: &str) -> Result<Source, FitError> {
-    let fault = |source| FitError::Read { path: PathBuf::from(format!("{}{text}", analytic::PREFIX)), source };
+    let fault =
+        |source| FitError::Read { path: PathBuf::from(format!("{}{text}", analytic::PREFIX)), source };
     let mut curves: Vec<(PathBuf, SpectralCurve)> = Vec::new();
     let named = analytic::parse(text, &mut |given| match given {
         Given::Rgb(rgb) => Ok(rgb),
@@ -70,7 +71,9 @@ fn curve(path: &Path) -> Result<SpectralCurve, ReadError> {
     }
     let [first, last] = curve.ends();
     if first > ENDS[0] || last < ENDS[1] {
-        return Err(fault("wavelengths from 500 nm or less to 600 nm or more are expected, which make a colour"));
+        return Err(fault(
+            "wavelengths from 500 nm or less to 600 nm or more are expected, which make a colour",
+        ));
     }
     Ok(curve)
 }
@@ -116,7 +119,9 @@ mod tests {
         assert!(spectra.errors.error < 2e-3, "{:?}", spectra.errors);
         let Content::Evaluable(brdf) = &source.content else { panic!("a model") };
         let (wi, wo) = ([0.6, 0.0, 0.8], [-0.6, 0.0, 0.8]);
-        let gloss = analytic::parse("ggx:alpha=0.3,f0=0.04", &mut |_| Ok([0.04; 3])).unwrap().brdf.evaluate(wi, wo)[0];
+        let gloss =
+            analytic::parse("ggx:alpha=0.3,f0=0.04", &mut |_| Ok([0.04; 3])).unwrap().brdf.evaluate(wi, wo)
+                [0];
         for (nm, value) in spectra.wavelengths.iter().zip(spectra.of(brdf.evaluate(wi, wo))) {
             let expected = gloss + shape(*nm) / std::f64::consts::PI;
             assert!((value / expected - 1.0).abs() < 0.01, "{nm}: {value} {expected}");
@@ -124,9 +129,12 @@ mod tests {
         let mixed = read(&format!("ggx:f0=0.9/0.5/0.2,diffuse={}", path.display())).unwrap();
         assert!(mixed.spectra().is_some_and(|spectra| spectra.errors.error < 0.1));
         assert!(read("ggx:f0=0.9/0.5/0.2").unwrap().spectra().is_none());
-        let other = read(&format!("lambert:albedo={}", file("body.csv", "400 0.1\n700 0.2").display())).unwrap();
+        let other =
+            read(&format!("lambert:albedo={}", file("body.csv", "400 0.1\n700 0.2").display())).unwrap();
         assert_ne!(other.sha256, read(&format!("lambert:albedo={}", path.display())).unwrap().sha256 + "x");
-        for (text, word) in [("400,1.5\n700,0.2", "0 to 1"), ("900,0.5\n1000,0.2", "600 nm"), ("400,0.5", "two wavelengths")] {
+        for (text, word) in
+            [("400,1.5\n700,0.2", "0 to 1"), ("900,0.5\n1000,0.2", "600 nm"), ("400,0.5", "two wavelengths")]
+        {
             let path = file("odd.csv", text);
             let error = read(&format!("lambert:albedo={}", path.display())).err().unwrap();
             assert!(chain(&error).contains(word) && chain(&error).contains("odd.csv"), "{}", chain(&error));

@@ -22,10 +22,10 @@ pub mod synthetic;
 mod tensor;
 mod warp;
 
-use crate::ReadError;
+use super::of_brdf::{self, Pair};
 use super::spectra::Spectra;
 use super::wavelengths::Wavelengths;
-use super::of_brdf::{self, Pair};
+use crate::ReadError;
 use crate::table::{Brdf, Draws, Known, Symmetry};
 use lookup::Lookup;
 use std::f64::consts::{FRAC_PI_2, PI};

@@ -117,10 +117,9 @@ fn write_samples(output: &Path, source: Source, is_csv: bool) -> anyhow::Result<
         None => export::astm(&table),
     };
     output::write(output, text.as_bytes())?;
-    let count = own.as_ref().map_or_else(
-        || table.views.iter().map(|view| view.samples.len()).sum(),
-        |own| own.samples.len(),
-    );
+    let count = own
+        .as_ref()
+        .map_or_else(|| table.views.iter().map(|view| view.samples.len()).sum(), |own| own.samples.len());
     let of = match &spectra {
         Some(spectra) if own.is_some() => format!(" of {}", spectra.text()),
         Some(spectra) => format!(
@@ -139,8 +138,7 @@ fn write_grid(output: &Path, format: Format, source: Source) -> anyhow::Result<(
     if let Content::Samples(_) = source.content {
         println!("samples: completed first, to have a value for every pair of directions");
     }
-    let spectra =
-        source.spectra().filter(|spectra| !spectra.is_grey).cloned();
+    let spectra = source.spectra().filter(|spectra| !spectra.is_grey).cloned();
     let material = MeasuredMaterial::new(source)?;
     if !material.gaps.is_empty() {
         // Samples are all completed; of a table, MERL has a mark for cells that were not measured.

@@ -230,8 +230,7 @@ fn render(args: &Args) -> anyhow::Result<()> {
     let split = split(args);
     // The closed form is of colours, as they are in daylight.
     let has_closed_form = illuminant.as_ref().is_none_or(Illuminant::is_daylight);
-    let is_furnace =
-        args.scene.is_sphere() && environment.constant_radiance().is_some() && has_closed_form;
+    let is_furnace = args.scene.is_sphere() && environment.constant_radiance().is_some() && has_closed_form;
     // A standard error is told there, which independent samples have.
     let own = if is_furnace { PointsName::Random } else { PointsName::Sobol };
     let settings = RenderSettings {

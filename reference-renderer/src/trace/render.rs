@@ -93,8 +93,7 @@ pub fn add_spectral_samples<'a>(
         spectral_radiance(scene, ray, settings, Wavelengths::draw(illuminant, u), points, workspace)
     };
     let held = film.samples;
-    let (time, lost) =
-        add_range(camera, settings, film, held..held + samples, of, || progress.advance(1));
+    let (time, lost) = add_range(camera, settings, film, held..held + samples, of, || progress.advance(1));
     film.samples = held + samples;
     film.lost += lost.count;
     lost.check(film, samples).map(|()| time)

@@ -201,8 +201,7 @@ pub mod tests {
                 [-0.05 - 0.5 * lobe, 0.1 + 2.0 * lobe, 0.02]
             }
         }
-        MeasuredMaterial::new(Source::evaluable(Box::new(Vivid), "vivid".into(), String::new()))
-            .unwrap()
+        MeasuredMaterial::new(Source::evaluable(Box::new(Vivid), "vivid".into(), String::new())).unwrap()
     }
 
     #[test]

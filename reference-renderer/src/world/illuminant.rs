@@ -33,7 +33,8 @@ impl Illuminant {
             return Ok(Self::new(light.name(), &light.weights(&illuminants::wavelengths())));
         }
         let path = Path::new(name);
-        let expected = || format!("light {name}: D65, A, F11, or a file of wavelengths and powers is expected");
+        let expected =
+            || format!("light {name}: D65, A, F11, or a file of wavelengths and powers is expected");
         anyhow::ensure!(path.extension().is_some() || path.exists(), expected());
         let curve = SpectralCurve::read(path).with_context(expected)?;
         Ok(Self::new(name, &illuminants::under(&curve).with_context(expected)?))

@@ -236,12 +236,14 @@ fn a_single_wavelength_is_named_wherever_it_is_shown() {
         .map(|n| [n % 8, n / 8 % 6, n / 48].map(f64::from))
         .map(|[i, o, turn]| {
             let (theta_i, theta_o, phi) = (0.17 * i, 0.05 + 0.2 * o, 0.785 * turn);
-            let value = 0.1 + (-20.0 * (theta_i - theta_o).powi(2) - 2.0 * (phi - 3.14).powi(2)).exp();
+            let value = 0.1 + (-20.0 * (theta_i - theta_o).powi(2) - 2.0 * (phi - 3.1).powi(2)).exp();
             format!("[9.05e-07, {theta_i}, {theta_o}, {phi}, {value}]")
         })
         .collect();
     let table = rows.join(", ");
-    let text = format!("{{\"metadata\": {{\"name\": \"lidar\"}}, \"brdf\": {{\"wavelengths\": [9.05e-07], \"lookupTable\": [{table}]}}}}");
+    let text = format!(
+        "{{\"metadata\": {{\"name\": \"lidar\"}}, \"brdf\": {{\"wavelengths\": [9.05e-07], \"lookupTable\": [{table}]}}}}"
+    );
     std::fs::write(place.join("lidar.xompt"), text).unwrap();
     let names = |call: &[&str]| {
         let output = srbf(&place, call);
@@ -255,7 +257,11 @@ fn a_single_wavelength_is_named_wherever_it_is_shown() {
     names(&["inspect", "lidar.srbf"]);
     names(&["render", "--material", "lidar.srbf", "--size", "8x8", "--spp", "1", "-o", "lidar.exr"]);
     names(&["convert", "lidar.srbf", "lidar.csv"]);
-    for (file, word) in [("lidar.json", "one wavelength, 905 nm"), ("lidar.html", "one wavelength, 905 nm"), ("lidar.csv", ",905nm")] {
+    for (file, word) in [
+        ("lidar.json", "one wavelength, 905 nm"),
+        ("lidar.html", "one wavelength, 905 nm"),
+        ("lidar.csv", ",905nm"),
+    ] {
         let text = std::fs::read_to_string(place.join(file)).unwrap();
         assert!(text.contains(word), "{file}");
     }
@@ -280,13 +286,20 @@ fn spectra_are_written_by_wavelength() {
     assert!(head("a.csv").ends_with(",400nm,410nm,420nm,430nm,440nm,450nm,460nm,470nm,480nm,490nm,500nm,510nm,520nm,530nm,540nm,550nm,560nm,570nm,580nm,590nm,600nm,610nm,620nm,630nm,640nm,650nm,660nm,670nm,680nm,690nm,700nm"));
     text(&["convert", "garnet_red", "b.csv", "--wavelengths", "450,650"]);
     assert!(head("b.csv").ends_with("wo_z,450nm,650nm"));
-    refused(&place, &["convert", "garnet_red", "c.csv", "--wavelengths", "905"], &["--wavelengths", "400 to 700"]);
+    refused(
+        &place,
+        &["convert", "garnet_red", "c.csv", "--wavelengths", "905"],
+        &["--wavelengths", "400 to 700"],
+    );
     // Samples with spectra of their own keep these to the digit.
     text(&["convert", "a.csv", "d.csv"]);
     let rows = |file: &str| {
         let text = std::fs::read_to_string(place.join(file)).unwrap();
-        let mut rows: Vec<Vec<f64>> =
-            text.lines().skip(2).map(|line| line.split(',').skip(6).map(|v| v.parse().unwrap()).collect()).collect();
+        let mut rows: Vec<Vec<f64>> = text
+            .lines()
+            .skip(2)
+            .map(|line| line.split(',').skip(6).map(|v| v.parse().unwrap()).collect())
+            .collect();
         rows.sort_by(|a, b| a.partial_cmp(b).unwrap());
         rows
     };

@@ -77,9 +77,7 @@ const CASES: &[Case] = &[
             ("spectral", "lamp.csv"),
         ],
         writes: &["r.exr", "r.png"],
-        onto: &[
-            ("render --env map.exr --size 4x4 --spp 1 -o @", "map.exr"),
-        ],
+        onto: &[("render --env map.exr --size 4x4 --spp 1 -o @", "map.exr")],
     },
     Case {
         call: "plot m.srbf --against t.bsdf --env map.hdr --html -o p.png",

@@ -232,7 +232,9 @@ pub(super) fn wavelengths(
     let field = file.numbers_or_holes("spectra", 5)?;
     let (channels, slices) = (field.shape[2], field.shape[0] * field.shape[1]);
     if views > slices || of.iter().any(|&n| n >= channels) {
-        return fail(format!("field spectra: {slices} slices of {channels} channels where more were expected"));
+        return fail(format!(
+            "field spectra: {slices} slices of {channels} channels where more were expected"
+        ));
     }
     let one = |n: usize, of: usize| picture("spectra", &field, n * channels + of);
     (0..views).map(|n| Ok([one(n, of[0])?, one(n, of[1])?, one(n, of[2])?])).collect()
