@@ -1,4 +1,4 @@
-"""Times the BSDF beside Mitsuba's own, one thread, processor time, the least of five: `mitsuba_time.py MATERIAL.srbf... [TABLE.bsdf...]`.
+"""Times the BSDF beside Mitsuba's own, one thread, processor time, the least of five: `mitsuba_time.py [--spectral] MATERIAL.srbf... [TABLE.bsdf...]`.
 
 The pictures of a `.bsdf` file have to be square, or Mitsuba refuses it.
 """
@@ -20,7 +20,9 @@ def directions(random):
 
 
 def main(files):
-    mi.set_variant("llvm_ad_rgb")
+    is_spectral = files[:1] == ["--spectral"]
+    files = files[int(is_spectral) :]
+    mi.set_variant("llvm_ad_spectral" if is_spectral else "llvm_ad_rgb")
     import srbf_brdf.mitsuba
 
     srbf_brdf.mitsuba.register()
@@ -29,6 +31,9 @@ def main(files):
     wo, wi, u = directions(random), directions(random), random.random((3, N)).astype(np.float32)
     si = dr.zeros(mi.SurfaceInteraction3f, N)
     si.wi, towards = mi.Vector3f(wo), mi.Vector3f(wi)
+    if is_spectral:
+        nm = 400 + 75 * (np.arange(4)[:, None] + random.random(N))
+        si.wavelengths = type(si.wavelengths)(nm.astype(np.float32))
     u1, u2, context = mi.Float(u[0]), mi.Point2f(u[1:]), mi.BSDFContext()
     dr.eval(si, towards, u1, u2)
 

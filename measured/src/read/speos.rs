@@ -225,8 +225,8 @@ pub fn anisotropic(bytes: &[u8], conventions: &Conventions) -> Result<Intake, Re
 fn colour(spectrum: &[[f64; 2]], reading: &mut Reading) -> Result<([f64; 3], Vec<f64>), ReadError> {
     let values: Vec<f64> = spectrum.iter().map(|pair| 0.01 * pair[1]).collect();
     let [first, rest @ ..] = values.as_slice() else { return fail("a spectrum without a wavelength") };
-    // The same at all wavelengths is grey, however few there are.
-    if rest.iter().all(|v| v == first) {
+    // The same at several wavelengths is grey, whatever these are.
+    if !rest.is_empty() && rest.iter().all(|v| v == first) {
         return Ok(([*first; 3], values));
     }
     let wavelengths = Wavelengths::new(&spectrum.iter().map(|pair| pair[0]).collect::<Vec<_>>())?;
@@ -384,6 +384,15 @@ mod tests {
         // A constant f reflects pi f.
         assert!(intake.rows.iter().all(|row| (row.rgb[1] - 0.5 / PI).abs() < 0.01), "{:?}", intake.rows[0]);
         assert_eq!((intake.rows.len(), intake.left_out_count()), (14, 6));
+        // One wavelength is known; of others the map is kept.
+        let spectrum = |lines: &str| {
+            let text = text.replace("2\n350 50\n850 50\n", lines);
+            anisotropic(text.as_bytes(), &Conventions::default()).unwrap().spectra
+        };
+        assert_eq!(spectrum("2\n350 50\n850 50\n"), None);
+        assert_eq!(spectrum("1\n905 50\n").unwrap().text(), "905 nm");
+        let found = spectrum("3\n450 20\n550 40\n650 60\n").unwrap();
+        assert!(!found.is_grey && found.errors.error < 1e-3, "{:?}", found.errors);
         // Two angles of the sample: tables that differ are refused, a whole turn and equal tables are one.
         let both = |angles: &str, second: &str| {
             head("Anisotropic BSDF surface file v8.0")
