@@ -11,7 +11,7 @@ use crate::judge::report::Fit;
 use crate::judge::spectral::{SpectralReport, with_map};
 use crate::look::Look;
 use crate::read::{Content, Source, check_memory};
-use crate::table::{Brdf, Symmetry, Table};
+use crate::table::{Brdf, Symmetry, Table, or_black};
 use crate::{FitError, Settings};
 use srbf_core::Material;
 
@@ -28,12 +28,14 @@ const OF_SAMPLE: u64 = 400;
 /// The material's views are placed where it changes, up to 87 degrees, unless the settings name them. The views of the table lie
 /// between them. The report has the samples' own views, or those of the table, and held-out views in the middle of every interval.
 ///
+/// A BRDF that is nowhere above 0 is black, and is fitted at f of 1e-9 / sr.
+///
 /// The number of lobes is that of the settings, or the fewest that reach the error that they ask for. `progress` is called with the
 /// share of the work that is done, 0 to 1, by one thread of the fit at a time. The share falls where a fit misses a goal and goes on.
 ///
 /// # Errors
 /// [`FitError::Setting`] for a setting out of its range, and for one that the fit of an anisotropic surface would ignore;
-/// [`FitError::Table`] for a table that is black or has too few samples; [`FitError::Memory`] where so much
+/// [`FitError::Table`] for a table that has too few samples; [`FitError::Memory`] where so much
 /// is not there. [`FitError::Format`] never for a table with finite numbers.
 pub fn fit_content(
     content: &Content,
@@ -44,7 +46,8 @@ pub fn fit_content(
         Content::Samples(table) => fit(table, settings, progress),
         Content::Evaluable(brdf) => {
             check_memory(MEMORY).map_err(FitError::Memory)?;
-            with_lobes(settings, progress, |settings, progress| fit_brdf(brdf.as_ref(), settings, progress))
+            let brdf = or_black(brdf.as_ref());
+            with_lobes(settings, progress, |settings, progress| fit_brdf(brdf, settings, progress))
         }
     }
 }
@@ -119,5 +122,48 @@ pub struct Tracked<'a>(pub &'a Settings);
 impl Method for Tracked<'_> {
     fn fit(&self, table: &Table) -> Result<Box<dyn Fitted>, FitError> {
         Ok(Box::new(Material::from_bytes(fit(table, self.0, |_| {})?.bytes)?))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::read::read;
+
+    /// A brushed metal in the dark.
+    struct Dark;
+
+    impl Brdf for Dark {
+        fn evaluate(&self, _: [f64; 3], _: [f64; 3]) -> [f64; 3] {
+            [0.0, -1e-6, 0.0]
+        }
+        fn symmetry(&self) -> Symmetry {
+            Symmetry::None
+        }
+    }
+
+    #[test]
+    fn black_is_fitted_through_every_door() {
+        let few =
+            Settings { lobes: 1, starts: 1, steps: 2, exchanges: 0, views: Some(2), ..Settings::default() };
+        let directions =
+            [[0.0, 0.0, 1.0], [0.6, 0.0, 0.8], [-0.6, 0.0, 0.8], [0.0, 0.6, 0.8], [0.0, -0.6, 0.8]];
+        let table = Table::from_scattered(vec![(0.3, directions.map(|d| (d, [0.0; 3])).to_vec())]).unwrap();
+        let model = |name: &str| read(name.as_ref()).unwrap().content;
+        for content in [
+            model("model:lambert:albedo=0"),
+            model("model:ggx:alpha=0.3,f0=0"),
+            Content::Evaluable(Box::new(Dark)),
+            Content::Samples(table),
+        ] {
+            let fit = fit_content(&content, &few, |_| {}).unwrap();
+            let material = Material::from_bytes(fit.bytes.as_slice()).unwrap();
+            let mut mixture = srbf_core::Mixture::<4>::empty();
+            material.prepare([-0.6, 0.0, 0.8], &mut mixture).unwrap();
+            let value = mixture.evaluate([0.6, 0.0, 0.8]);
+            assert!(value.x >= 0.0 && value.x < 1e-6, "{value}");
+            let views = &fit.report.views;
+            assert!(views.iter().all(|view| view.error < 0.2), "{views:?}");
+        }
     }
 }

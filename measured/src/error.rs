@@ -12,7 +12,7 @@ use thiserror::Error;
 #[non_exhaustive]
 pub enum ReadError {
     /// A text format with bytes that are not text.
-    #[error("byte {offset} is not UTF-8 text")]
+    #[error("byte {offset} is not UTF-8 text: a binary file of a kind that is not known, or a damaged text")]
     NotText {
         /// Offset of the first such byte.
         offset: usize,

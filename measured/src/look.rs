@@ -151,7 +151,8 @@ impl Look {
             reciprocity: Reciprocity::of(&places.swapped()),
             sides: sides(&places.sides()),
             highlight: Highlight::of(&intake.rows, intake.is_light_fixed, completion.map(|c| c.width)),
-            units: completion.and_then(|completion| Units::of(&few, completion)),
+            // Noise about 0 tells no unit.
+            units: completion.filter(|_| !intake.is_black).and_then(|completion| Units::of(&few, completion)),
             outliers: completion.map_or_else(Vec::new, |completion| outliers(intake, completion)),
             left_out: intake.left_out.clone(),
             findings: Vec::new(),

@@ -19,6 +19,8 @@ mod tabulate;
 use crate::FitError;
 use std::f64::consts::FRAC_PI_2;
 
+#[doc(hidden)]
+pub use brdf::or_black;
 pub use brdf::{Brdf, Draws, Known, Symmetry};
 #[doc(hidden)]
 pub use interpolate::owners;
@@ -33,6 +35,10 @@ pub const ALBEDO_LIMIT: f64 = 0.95;
 /// Brightest f of a table that lobes can be fitted to, 1/sr: the least amplitude that is stored is a thousandth of it in all lobes.
 #[doc(hidden)]
 pub const DARKEST: f64 = 1e-15;
+
+/// The f of a surface of which nothing was measured to be brighter than 0, 1/sr: below the noise of any instrument.
+#[doc(hidden)]
+pub const BLACK: f64 = 1e-9;
 
 /// Largest f of a table that can be fitted, 1/sr, and least of negative ones: far beyond any surface, and its square is a number.
 const LARGEST: f64 = 1e30;
@@ -117,6 +123,8 @@ pub type Scattered = Vec<([f64; 3], [f64; 3])>;
 impl Table {
     /// Makes a table of scattered samples: mirrors them, weighs them, and integrates the albedo of each view.
     ///
+    /// Where no value is above 0 the surface is black, and has f of 1e-9 / sr: lobes need some brightness.
+    ///
     /// The weights integrate linearly between samples, the albedo its logarithm, and is held to at most 0.95: see the source of
     /// `interpolate`.
     ///
@@ -128,6 +136,7 @@ impl Table {
         if views.is_empty() || views.len() > MAX_VIEWS {
             return fail(format!("{} views; from 1 to {MAX_VIEWS} are possible", views.len()));
         }
+        let is_black = views.iter().flat_map(|view| &view.1).all(|(_, rgb)| rgb.iter().all(|v| *v <= 0.0));
         let mut made: Vec<View> = Vec::with_capacity(views.len());
         for (theta, scattered) in views {
             let degrees = theta.to_degrees();
@@ -145,6 +154,7 @@ impl Table {
                 // A sample at the horizon says nothing of f cos.
                 if d[2] > 1e-6 * length {
                     let direction = [d[0] / length, (d[1] / length).abs(), d[2] / length];
+                    let rgb = if is_black { [BLACK; 3] } else { rgb };
                     samples.push(Sample { direction, rgb, weight: 0.0 });
                 }
             }

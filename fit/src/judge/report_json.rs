@@ -13,11 +13,14 @@ use crate::{FitError, Settings};
 use serde_json::{Value, json};
 use srbf_core::{Material, printable, printable_lines};
 
+/// Share of the hemisphere without samples from which on the albedo of samples is a guess.
+const KNOWN: f64 = 0.3;
+
 impl Report {
     /// Facts that one has to know to judge the fit, a sentence each.
     pub fn notes(&self) -> Vec<String> {
         let mut notes = Vec::new();
-        let mut note = |of: fn(&ViewReport) -> bool, text: &str| {
+        let mut note = |of: &dyn Fn(&ViewReport) -> bool, text: &str| {
             let views: Vec<&ViewReport> = self.views.iter().filter(|v| of(v)).collect();
             let mut places: Vec<String> =
                 views.iter().map(|v| format!("{:.1}", v.theta.to_degrees())).collect();
@@ -26,11 +29,18 @@ impl Report {
                 notes.push(format!("view at {} degrees: {text}", places.join(", ")));
             }
         };
-        note(|v| v.is_black, "black; no relative error, and in no mean");
-        note(|v| v.is_albedo_cut, "the data's albedo is above 0.95, which lobes were held to");
-        note(|v| v.is_too_dark(), "darker than a material can store");
+        note(&|v| v.is_black, "black; no relative error, and in no mean");
+        // Of a few samples, such as those of a plane, the albedo is not known.
+        let is_known = |v: &ViewReport| {
+            self.completion.as_ref().is_none_or(|completion| completion.gaps.share_at(v.theta) < KNOWN)
+        };
+        note(
+            &|v| v.is_albedo_cut && is_known(v),
+            "the data's albedo is above 0.95, which lobes were held to",
+        );
+        note(&|v| v.is_too_dark(), "darker than a material can store");
         let is_off = |v: &ViewReport| !v.is_black && !v.is_too_dark() && v.error > LARGE_ERROR;
-        note(is_off, "relative L2 error above 50 %");
+        note(&is_off, "relative L2 error above 50 %");
         notes
     }
 

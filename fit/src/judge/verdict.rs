@@ -9,7 +9,8 @@ use crate::judge::appearance::Appearance;
 use crate::judge::reciprocity::Reciprocity;
 use crate::judge::report::{Report, ViewReport};
 use crate::judge::spectral::{Grade, SpectralReport};
-use crate::table::albedo_bounds::{LEAST, albedos};
+use crate::look::Topic;
+use crate::table::albedo_bounds::{LEAST, MOST, albedos};
 use serde_json::{Value, json};
 
 /// A number over several views.
@@ -311,8 +312,29 @@ fn has_creases(found: &Appearance) -> bool {
     fit.coarse > (MORE_GRAIN * table.coarse).max(UNSEEN_GRAIN)
 }
 
-/// Whether to use a fit, and its visible errors.
+/// Whether to use a fit, and its visible errors. Where the data may not be what they were read as, that comes first.
 fn sentence(found: &Appearance, report: &Report) -> String {
+    let fitted = sentence_of_fit(found, report);
+    let Some(look) = &report.look else { return fitted };
+    let is_off = |topic: Topic| look.findings.iter().any(|f| f.is_off && f.topic == topic);
+    let is_saturated = look.findings.iter().any(|f| f.is_off && f.option == Some("--saturated leave-out"));
+    let is_bright = look.units.as_ref().is_some_and(|units| units.most > MOST);
+    let (advice, doubt) = match () {
+        () if is_off(Topic::Units) && is_bright => {
+            ("do not use it", "the values seem to be in other units than 1/sr")
+        }
+        () if is_off(Topic::Reciprocity) => ("do not use it", "the values seem to be off by a cosine"),
+        () if is_saturated => ("use it with care", "the highlight of the samples may be cut off"),
+        () if is_off(Topic::Units) => ("use it with care", "the samples are as dark as hardly any surface"),
+        () => return fitted,
+    };
+    let (found, rest) = fitted.split_once(": ").unwrap_or(("", &fitted));
+    let advice = if found.starts_with("do not use it") && advice != "do not use it" { found } else { advice };
+    format!("{advice}: {doubt}; beside what was read, {rest}")
+}
+
+/// The same of data that are what they were read as.
+fn sentence_of_fit(found: &Appearance, report: &Report) -> String {
     let looks = if found.is_dark { sentence_by_highlight(report) } else { sentence_by_looks(found) };
     of_samples(with_gaps(looks, report), report)
 }

@@ -67,7 +67,11 @@ impl Units {
         let candidates: Vec<String> = self.candidates.iter().map(each).collect();
         let which =
             if candidates.is_empty() { "no usual factor explains it".into() } else { candidates.join(", ") };
-        format!("as f in 1/sr they reflect up to {:.3e} of the light, {than}; {which}", self.most)
+        let most = match self.most {
+            most if (0.01..1000.0).contains(&most) => format!("{most:.2}"),
+            most => format!("{most:.2e}"),
+        };
+        format!("as f in 1/sr they reflect up to {most} of the light, {than}; {which}")
     }
 }
 

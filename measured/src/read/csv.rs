@@ -14,7 +14,7 @@ mod long;
 mod names;
 mod shapes;
 
-use super::conventions::{Conventions, Mirror};
+use super::conventions::{Conventions, Mirror, Values as Kind};
 use super::intake::{Intake, Reading};
 use super::reason::Reason;
 use crate::ReadError;
@@ -23,7 +23,8 @@ use cells::{Cell, LARGEST};
 use columns::{Columns, Directions, Values};
 use geometry::Geometry;
 use layout::{Layout, fields, is_comment, reader};
-use names::Unit;
+use names::{Beside, Unit};
+use std::f64::consts::FRAC_1_PI;
 
 /// Parses the bytes of a table of text.
 ///
@@ -133,10 +134,13 @@ fn table(
         let (s, are) = if columns.ignored.len() == 1 { ("", "is") } else { ("s", "are") };
         reading.note(format!("column{s} {} {are} not read", names.join(", ")));
     }
-    if let Values::One(n) | Values::Long([_, n]) = columns.values
-        && names::is_times_cosine(&columns.names[n])
-    {
-        reading.values_are(super::conventions::Values::CosineOutgoing);
+    // What the caller says of values holds.
+    let beside =
+        columns.beside.as_ref().filter(|_| conventions.values.is_none() && conventions.divide == 1.0);
+    match columns.beside.as_ref().map(|beside| beside.0) {
+        Some(Beside::CosineOutgoing) => reading.values_are(Kind::CosineOutgoing),
+        Some(Beside::PiCosineIncident) => reading.values_are(Kind::CosineIncident),
+        Some(Beside::Pi) | None => {}
     }
     let mut parsing = Parsing {
         columns,
@@ -146,15 +150,28 @@ fn table(
         unit: said,
         names_again: Vec::new(),
         blocks: 1,
+        above: Vec::new(),
+        below: Vec::new(),
+        odd: None,
     };
     rows.each(&mut |line, cells: &mut dyn Iterator<Item = &str>| parsing.row(line, cells, &mut reading))?;
     parsing.notes(&mut reading);
-    let Parsing { found, unit, .. } = parsing;
+    let Parsing { found, unit, odd, .. } = parsing;
+    if let (true, Some(odd)) = (found.is_empty(), odd) {
+        return Err(odd);
+    }
     let percent = columns.value_unit == Some(Unit::Percent);
     if percent {
         reading.note("values are in per cent");
     }
-    let share = if percent { 0.01 } else { 1.0 };
+    let factor = beside.filter(|beside| beside.0 != Beside::CosineOutgoing);
+    if let Some((_, name)) = factor {
+        reading.note_option(
+            format!("`{name}` is a reflectance factor, pi f, by its name: values are divided by pi"),
+            "--values brdf",
+        );
+    }
+    let share = if percent { 0.01 } else { 1.0 } * if factor.is_some() { FRAC_1_PI } else { 1.0 };
     let geometry = Geometry::new(columns, &found, (unit, unknown), conventions, &mut reading)?;
     if let Values::Long(_) = columns.values {
         // Rows of one pair of directions become one sample.
@@ -230,6 +247,11 @@ struct Parsing<'a> {
     names_again: Vec<usize>,
     /// Runs of rows under an angle.
     blocks: usize,
+    /// Lines of words that stand between the names and the numbers, and below the numbers.
+    above: Vec<usize>,
+    below: Vec<usize>,
+    /// The error that the first of the latter, or else of the former, is if numbers follow, or none do.
+    odd: Option<ReadError>,
 }
 
 impl Parsing<'_> {
@@ -240,14 +262,42 @@ impl Parsing<'_> {
         reading: &mut Reading,
     ) -> Result<(), ReadError> {
         let names = &self.columns.names;
-        let cells: Vec<&str> = cells.collect();
-        if self.is_between(line, &cells) {
+        let mut cells: Vec<&str> = cells.collect();
+        if self.is_between(line, &cells) || is_rule(&cells) {
             return Ok(());
         }
         // A separator at the end of a line makes an empty column more.
         let count = cells.len() - cells.iter().rev().take_while(|cell| cell.is_empty()).count();
         let last = self.places.iter().copied().max().unwrap_or(0);
         let needed = 1 + last.max(geometry::last_column(&self.directions));
+        let is_remark = |cell: &&str| is_comment(cell) && Cell::of(cell) == Cell::Odd;
+        let numbers = cells.len() - cells.iter().skip(needed).skip_while(|cell| !is_remark(cell)).count();
+        let count = count.min(numbers);
+        cells.truncate(numbers);
+        let is_text = self.is_text(&cells, needed);
+        if is_text && self.found.is_empty() && self.is_units(&cells) {
+            let unit = cells.iter().find_map(|cell| names::unit(cell)).filter(|u| *u != Unit::Percent);
+            self.unit = self.unit.or(unit);
+            return Ok(());
+        }
+        if is_text {
+            if self.found.is_empty() {
+                reading.announced = layout::announced(&cells.join("\t")).or(reading.announced);
+            }
+            let lines = if self.found.is_empty() { &mut self.above } else { &mut self.below };
+            lines.push(line);
+            if self.odd.is_none() || lines.len() == 1 {
+                self.odd = Some(ReadError::Content(format!(
+                    "line {line}: `{}` where a row of {} columns was expected",
+                    shortened(&cells.join(" ")),
+                    self.columns.names.len()
+                )));
+            }
+            return Ok(());
+        }
+        if let (false, Some(odd)) = (self.below.is_empty(), self.odd.take()) {
+            return Err(odd);
+        }
         if count > names.len() || cells.len() < needed {
             let hint = if count > names.len() && self.commas(&cells) {
                 "; with decimal commas, columns have to be separated by ; or tabs"
@@ -270,11 +320,6 @@ impl Parsing<'_> {
                 shortened(&names[place])
             ),
         };
-        if self.found.is_empty() && self.is_units(&cells) {
-            let unit = cells.iter().find_map(|cell| names::unit(cell)).filter(|u| *u != Unit::Percent);
-            self.unit = self.unit.or(unit);
-            return Ok(());
-        }
         let mut directions = [0.0; 6];
         for (at, place) in geometry::places(&self.directions).into_iter().enumerate() {
             directions[at] = match place {
@@ -335,8 +380,39 @@ impl Parsing<'_> {
         is_comment
     }
 
+    /// Whether a line is words: it begins with one, and no number stands where a direction has one. Above the numbers it may be short, and
+    /// hold one: `NUMBER_OF_SETS 75`.
+    fn is_text(&self, cells: &[&str], needed: usize) -> bool {
+        let is_odd = |cell: &&&str| Cell::of(cell) == Cell::Odd;
+        if cells.iter().find(|cell| !cell.is_empty()).as_ref().is_none_or(|cell| !is_odd(cell)) {
+            return false;
+        }
+        let column = |place: columns::Place| match place {
+            columns::Place::Column(n) => cells.get(n),
+            columns::Place::Constant(_) => None,
+        };
+        let directions = || geometry::places(&self.directions).into_iter().flatten().filter_map(column);
+        let values = || self.places.iter().filter_map(|n| cells.get(*n));
+        let is_short = cells.len() < needed;
+        let has_number = directions().any(|cell| matches!(Cell::of(cell), Cell::Number(_)));
+        (is_short || directions().chain(values()).any(|cell| is_odd(&cell)))
+            && !(has_number && !(is_short && self.found.is_empty()))
+    }
+
     /// Findings about the rows.
     fn notes(&self, reading: &mut Reading) {
+        for (lines, place) in [
+            (&self.above, "between the names of the columns and the numbers"),
+            (&self.below, "below the numbers"),
+        ] {
+            if let Some(first) = lines.first() {
+                let (s, is) = if lines.len() == 1 { ("", "is") } else { ("s", "are") };
+                reading.note(format!(
+                    "{} line{s} of words {place} {is} passed over, from line {first} on",
+                    lines.len()
+                ));
+            }
+        }
         if self.blocks > 1 {
             reading.note(format!("{} blocks of rows, each under the angle that it is of", self.blocks));
         } else {
@@ -369,6 +445,13 @@ impl Parsing<'_> {
         let is_whole = |cell: &&str| cell.trim_start_matches('-').chars().all(|c| c.is_ascii_digit());
         cells.iter().filter(|cell| is_whole(cell)).count() + 1 >= cells.len()
     }
+}
+
+/// Whether a line is drawn: `|---|---|`.
+fn is_rule(cells: &[&str]) -> bool {
+    let is_drawn = |cell: &&str| cell.chars().all(|c| "-=+:|_ ".contains(c));
+    cells.iter().all(is_drawn)
+        && cells.iter().any(|cell| ["---", "==="].iter().any(|line| cell.contains(line)))
 }
 
 #[cfg(test)]

@@ -172,6 +172,10 @@ pub(crate) fn recognise(bytes: &[u8], ending: &str) -> Result<Format, ReadError>
             () => fail("a SPEOS file of another kind: .anisotropicbsdf and .brdf, saved as text, are read"),
         };
     }
+    // Python prints records so.
+    if ["{'", "[{'"].iter().any(|start| text.starts_with(start)) {
+        return Ok(Format::Text);
+    }
     if first.starts_with('{') {
         return Ok(Format::OpenMaterial);
     }

@@ -17,7 +17,7 @@ use crate::isotropy::Isotropy;
 use crate::reciprocity::Reciprocity;
 use crate::reciprocity::pairs::Places;
 use crate::row::{Row, thin};
-use crate::table::Scattered;
+use crate::table::{BLACK, Scattered};
 use std::collections::HashSet;
 
 /// Cosine below which a direction is at the horizon: there no BRDF can be measured.
@@ -36,9 +36,6 @@ const NOISY: usize = 20;
 const NOISE_BELOW: f64 = 0.2;
 const ERRORS: f64 = 3.0;
 const STANDS_OUT: f64 = 5.0;
-
-/// The f of a surface of which nothing was measured to be brighter than 0: below the noise of any instrument.
-const BLACK: f64 = 1e-9;
 
 /// Samples whose swapped pairs are looked at.
 const MOST_COMPARED: usize = 50_000;
@@ -87,6 +84,8 @@ pub struct Intake {
     pub mirror: Option<Mirror>,
     /// Whether the incident directions are the views, by reciprocity.
     pub is_light_fixed: bool,
+    /// Whether no value is above 0, or above noise about 0: then all samples have the level of that noise, 1e-9 / sr at least.
+    pub is_black: bool,
     /// The result of a turn of the sample; `None` where it was not turned.
     pub isotropy: Option<Isotropy>,
     /// The spectra of its colours, if it has some.
@@ -310,6 +309,7 @@ impl Reading {
         if is_zero || is_noise {
             let black = mean.max(error).max(BLACK);
             rows.iter_mut().for_each(|row| row.rgb = [black; 3]);
+            self.intake.is_black = true;
             let what = if is_zero { "no value is above 0" } else { "values are noise about 0" };
             self.note(format!("{what}: the surface is taken as black, with f of {black:.1e} / sr"));
         }

@@ -1,13 +1,13 @@
 //! Reader of MERL `.binary` files (Matusik et al. 2003): 90 x 90 x 180 cells of half angle, difference angle and azimuth.
 //!
 //! Three little-endian i32 (90, 90, 180), then three planes (red, green, blue) of f64, azimuth fastest. The half angle is cut
-//! finer near 0, by the square root. Cells with a negative channel were not measured, nor were those that are 0 in all three: no surface
-//! is black. Between the centres of the cells the value is interpolated linearly, among the cells that were measured; where there is none,
+//! finer near 0, by the square root. Cells with a negative channel were not measured, nor were those that are 0 in all three, unless none is
+//! brighter and half of all are 0: then the surface is black, and has f of 1e-9 / sr. Between the centres of the cells the value is interpolated linearly, among the cells that were measured; where there is none,
 //! the value is no number. [`Filled`](super::Filled) says which ones.
 
 use super::rusinkiewicz::{HalfAndDifference, half_and_difference};
 use crate::ReadError;
-use crate::table::{Brdf, direction};
+use crate::table::{BLACK, Brdf, direction};
 use std::f64::consts::{FRAC_PI_2, PI};
 
 /// Cells along the half angle, the difference angle, and its azimuth.
@@ -104,10 +104,23 @@ pub fn parse(bytes: &[u8]) -> Result<Merl, ReadError> {
             cell[channel] = (v.max(-1.0) * SCALE[channel]) as f32;
         }
     }
-    let is_missing = |cell: &[f32; 3]| cell.iter().any(|v| *v < 0.0) || *cell == [0.0; 3];
-    cells.iter_mut().filter(|cell| is_missing(cell)).for_each(|cell| *cell = [f32::NAN; 3]);
-    if cells.iter().all(|cell| cell[0].is_nan()) {
-        return Err(ReadError::Content("no cell was measured: all are negative or 0".into()));
+    let is_below = |cell: &[f32; 3]| cell.iter().any(|v| *v < 0.0);
+    let is_zero = |cell: &[f32; 3]| *cell == [0.0; 3];
+    let mut zero = f32::NAN;
+    if cells.iter().all(|cell| is_below(cell) || is_zero(cell)) {
+        if cells.iter().filter(|cell| is_zero(cell)).count() < CELLS / 2 {
+            return Err(ReadError::Content(
+                "no cell was measured: all are negative, or a few of them 0".into(),
+            ));
+        }
+        zero = BLACK as f32;
+    }
+    for cell in &mut cells {
+        if is_below(cell) {
+            *cell = [f32::NAN; 3];
+        } else if is_zero(cell) {
+            *cell = [zero; 3];
+        }
     }
     Ok(Merl { cells })
 }
@@ -195,6 +208,15 @@ mod tests {
         let mut bad = good;
         bad[12 + 6..12 + 8].copy_from_slice(&[0xf8, 0x7f]);
         assert!(parse(&bad).is_err());
+    }
+
+    /// A trap for light is a measurement.
+    #[test]
+    fn a_file_of_zeros_is_black() {
+        let merl = parse(&file(0.0)).unwrap();
+        assert_eq!(merl.missing(), 0.0);
+        let f = merl.evaluate(direction(0.7, 0.3), direction(0.4, 2.0));
+        assert!(f.iter().all(|v| (v / BLACK - 1.0).abs() < 1e-6), "{f:?}");
     }
 
     /// Both marks, and how near to them a value is a number.

@@ -20,13 +20,15 @@ use std::f64::consts::PI;
 pub fn parse(bytes: &[u8], conventions: &Conventions) -> Result<Intake, ReadError> {
     let fail = |text: String| Err(ReadError::Content(text));
     let text = decode(bytes)?;
-    let json: Value = serde_json::from_str(text.trim_start_matches('\u{feff}'))
-        .map_err(|error| ReadError::Content(format!("JSON: {error}")))?;
+    let json = super::records::document(text.trim_start_matches('\u{feff}'))?;
     let Some(table) = json.pointer("/brdf/lookupTable").and_then(Value::as_array) else {
         if let Some(intake) = super::records::of_json(&json, conventions)? {
             return Ok(intake);
         }
-        return fail("OpenMATERIAL without brdf.lookupTable: a file of a BRDF is expected".into());
+        return fail(
+            "JSON without brdf.lookupTable of OpenMATERIAL, and without records such as [{\"theta_i\": 10, ...}, ...]: a BRDF is expected"
+                .into(),
+        );
     };
     let mut reading = Reading::new("ASAM OpenMATERIAL", conventions);
     // A pair of directions, its first row, and its values by wavelength.

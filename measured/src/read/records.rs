@@ -5,7 +5,8 @@ use super::csv;
 use super::intake::Intake;
 use crate::ReadError;
 use crate::file::decode::decode;
-use serde_json::Value;
+use serde_json::{Map, Value};
+use std::collections::BTreeMap;
 
 /// Parses the bytes of a file.
 ///
@@ -13,13 +14,19 @@ use serde_json::Value;
 /// [`ReadError`], with what stopped it.
 pub fn parse(bytes: &[u8], conventions: &Conventions) -> Result<Intake, ReadError> {
     let text = decode(bytes)?;
-    let json: Value =
-        serde_json::from_str(&text).map_err(|error| ReadError::Content(format!("JSON: {error}")))?;
+    let json = document(&text)?;
     of_json(&json, conventions)?.ok_or_else(|| {
         ReadError::Content(
             "JSON: records such as [{\"theta_i\": 10, ...}, ...] or columns {\"theta_i\": [10, ...], ...} are expected".into(),
         )
     })
+}
+
+/// The document of a text. Of several, such as a record a line, an array.
+pub(super) fn document(text: &str) -> Result<Value, ReadError> {
+    let all = serde_json::Deserializer::from_str(text).into_iter().collect::<Result<Vec<Value>, _>>();
+    let mut all = all.map_err(|error| ReadError::Content(format!("JSON: {error}")))?;
+    Ok(if all.len() == 1 { all.swap_remove(0) } else { Value::Array(all) })
 }
 
 /// The table of a document; `None` where it holds none.
@@ -41,11 +48,12 @@ type Rows<'a> = (Vec<String>, Vec<Vec<&'a Value>>);
 fn table(json: &Value) -> Option<Rows<'_>> {
     match json {
         Value::Array(rows) if rows.first()?.is_object() => {
-            let names: Vec<String> = rows.first()?.as_object()?.keys().cloned().collect();
+            let names: Vec<String> = flat(rows.first()?).into_iter().map(|part| part.0).collect();
             let mut all = Vec::with_capacity(rows.len());
             for record in rows {
-                let record = record.as_object()?;
-                all.push(names.iter().map(|name| record.get(name).unwrap_or(&Value::Null)).collect());
+                record.as_object()?;
+                let parts: BTreeMap<String, &Value> = flat(record).into_iter().collect();
+                all.push(names.iter().map(|name| parts.get(name).copied().unwrap_or(&Value::Null)).collect());
             }
             Some((names, all))
         }
@@ -53,18 +61,47 @@ fn table(json: &Value) -> Option<Rows<'_>> {
         Value::Object(parts) => match (parts.get("columns"), parts.get("data")) {
             (Some(names), Some(data)) => named(names, data.as_array()?),
             (None, Some(data)) => table(data),
-            _ => {
-                let names: Vec<String> = parts.keys().cloned().collect();
-                let columns: Vec<Vec<&Value>> = parts.values().map(cells).collect::<Option<_>>()?;
-                let count = columns.first()?.len();
-                if columns.iter().any(|column| column.len() != count) {
-                    return None;
-                }
-                Some((names, (0..count).map(|n| columns.iter().map(|column| column[n]).collect()).collect()))
-            }
+            _ => columns(parts).or_else(|| {
+                // The one part that is records, beside facts about them.
+                let is_records =
+                    |part: &&Value| part.as_array().is_some_and(|rows| rows.len() > 1 && rows[0].is_object());
+                let mut records = parts.values().filter(is_records);
+                records.next().filter(|_| records.next().is_none()).and_then(table)
+            }),
         },
         _ => None,
     }
+}
+
+/// Columns of one length, by their names.
+fn columns(parts: &Map<String, Value>) -> Option<Rows<'_>> {
+    let names: Vec<String> = parts.keys().cloned().collect();
+    let columns: Vec<Vec<&Value>> = parts.values().map(cells).collect::<Option<_>>()?;
+    let count = columns.first()?.len();
+    if columns.iter().any(|column| column.len() != count) {
+        return None;
+    }
+    Some((names, (0..count).map(|n| columns.iter().map(|column| column[n]).collect()).collect()))
+}
+
+/// The numbers and words of a record, those of parts within it by the names of both: `incident theta`.
+fn flat(record: &Value) -> Vec<(String, &Value)> {
+    let parts = record.as_object().into_iter().flatten();
+    parts
+        .flat_map(|(name, value)| match value {
+            Value::Object(within) => {
+                within.iter().map(|(part, value)| (format!("{name} {part}"), value)).collect()
+            }
+            Value::Array(three) if three.len() == 3 => {
+                let is_color =
+                    ["rgb", "color", "colour", "brdf", "value"].contains(&name.to_lowercase().as_str());
+                let parts = if is_color { ["r", "g", "b"] } else { ["x", "y", "z"] };
+                let named = |part: &str| if is_color { part.to_owned() } else { format!("{name} {part}") };
+                parts.into_iter().map(named).zip(three).collect()
+            }
+            value => vec![(name.clone(), value)],
+        })
+        .collect()
 }
 
 /// Rows beside their names.
@@ -82,5 +119,39 @@ fn cells(column: &Value) -> Option<Vec<&Value>> {
         Value::Array(cells) => Some(cells.iter().collect()),
         Value::Object(cells) => Some(cells.values().collect()),
         _ => None,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Records of an array, a record a line, and columns are the same; what is null was not measured.
+    #[test]
+    fn records_in_any_shape_are_rows_and_null_is_no_value() {
+        let record = |o: f64, value: &str| {
+            format!("{{\"theta_i\": 10, \"theta_o\": {o}, \"dphi\": 180, \"value\": {value}}}")
+        };
+        let [a, b, c] = [record(20.0, "0.25"), record(40.0, "null"), record(60.0, "0.5")];
+        let columns = "{\"theta_i\": [10, 10, 10], \"theta_o\": [20, 40, 60], \"dphi\": [180, 180, 180], \"value\": [0.25, null, 0.5]}";
+        for text in [format!("[{a}, {b}, {c}]"), format!("{a}\n{b}\n{c}\n"), columns.to_owned()] {
+            let intake = parse(text.as_bytes(), &Conventions::default()).unwrap();
+            let found: Vec<(usize, f64)> = intake.rows.iter().map(|row| (row.line, row.rgb[1])).collect();
+            assert_eq!((found, intake.left_out_count()), (vec![(1, 0.25), (3, 0.5)], 1), "{text}");
+        }
+        let nested =
+            "{\"wi\": [0, 0.6, 0.8], \"out\": {\"x\": 0.6, \"y\": 0, \"z\": 0.8}, \"rgb\": [0.1, 0.2, 0.3]}";
+        let intake = parse(
+            format!("{{\"by\": \"us\", \"all\": [{nested}, {nested}]}}").as_bytes(),
+            &Conventions::default(),
+        )
+        .unwrap();
+        assert_eq!(
+            (intake.rows.len(), intake.rows[1].wi, intake.rows[1].rgb),
+            (2, [0.0, 0.6, 0.8], [0.1, 0.2, 0.3])
+        );
+        for text in ["[]", "[1, 2]", "{\"a\": 1}", "[{}", "{\"theta_i\": 10}\n{\"theta_i\": "] {
+            assert!(parse(text.as_bytes(), &Conventions::default()).is_err(), "{text}");
+        }
     }
 }

@@ -46,3 +46,48 @@ pub fn parse(bytes: &[u8], conventions: &Conventions) -> Result<Intake, ReadErro
     }
     reading.finish()
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// The bytes of a file of a function of zeniths and azimuths, degrees, of light and viewer.
+    fn file(f: impl Fn([f64; 2], [f64; 2]) -> f64) -> Vec<u8> {
+        let at = |n: usize| [(n / AZIMUTHS) as f64 * STEPS[0], (n % AZIMUTHS) as f64 * STEPS[1]];
+        let viewers = ZENITHS * AZIMUTHS;
+        let plane: Vec<u8> =
+            (0..PLANE).flat_map(|n| f(at(n / viewers), at(n % viewers)).to_le_bytes()).collect();
+        plane.repeat(3)
+    }
+
+    #[test]
+    fn numbers_are_at_their_directions_and_odd_ones_are_errors() {
+        let parse = |bytes: &[u8]| parse(bytes, &Conventions::default());
+        // No two directions of a kind have the same value.
+        let bytes = file(|light, viewer| {
+            0.1 + 1e-3 * light[0] + 1e-5 * viewer[0] + 1e-7 * light[1] + 1e-9 * viewer[1]
+        });
+        let intake = parse(&bytes).unwrap();
+        assert_eq!(intake.rows.len(), PLANE);
+        for row in intake.rows.iter().step_by(997) {
+            let (theta, phi) = (
+                |d: [f64; 3]| d[2].acos().to_degrees(),
+                |d: [f64; 3]| d[1].atan2(d[0]).to_degrees().rem_euclid(360.0),
+            );
+            let value = |phi_i: f64, phi_o: f64| {
+                0.1 + 1e-3 * theta(row.wi) + 1e-5 * theta(row.wo) + 1e-7 * phi_i + 1e-9 * phi_o
+            };
+            // At the normal there is no azimuth.
+            let most = if theta(row.wi) < 1.0 || theta(row.wo) < 1.0 { 4e-5 } else { 1e-10 };
+            let expected = value(phi(row.wi), phi(row.wo));
+            assert!((row.rgb[0] - expected).abs() < most, "{row:?}, not {expected}");
+        }
+        assert!(parse(&bytes[1..]).is_err());
+        for odd in [f64::NAN, f64::INFINITY, 1e10] {
+            assert!(parse(&file(|_, _| odd)).unwrap_err().to_string().contains("number 0"));
+        }
+        // Black, and nothing but marks.
+        assert!(parse(&file(|_, _| 0.0)).unwrap().is_black);
+        assert!(parse(&file(|_, _| -999.0)).is_err());
+    }
+}

@@ -1,5 +1,8 @@
 //! Functions that can be evaluated at any pair of directions.
 
+use super::{BLACK, direction};
+use std::f64::consts::PI;
+
 /// A BRDF that can be evaluated.
 ///
 /// # Examples
@@ -38,6 +41,33 @@ pub trait Brdf: Sync {
     fn draws(&self) -> Option<&dyn Draws> {
         None
     }
+}
+
+/// A surface of which nothing was measured to be brighter than 0. Lobes need some brightness, and have that of [`BLACK`].
+struct Black;
+
+impl Brdf for Black {
+    fn evaluate(&self, _: [f64; 3], _: [f64; 3]) -> [f64; 3] {
+        [BLACK; 3]
+    }
+}
+
+/// Angles from the normal, of each direction, and azimuths between both at which a BRDF is looked at; all mirror directions among them.
+const ANGLES: i32 = 18;
+const AZIMUTHS: i32 = 12;
+
+/// The BRDF, or a black one in its place if it is nowhere above 0.
+#[doc(hidden)]
+pub fn or_black(brdf: &dyn Brdf) -> &dyn Brdf {
+    let angle = |n: i32| f64::from(n) * 5.0 * PI / 180.0;
+    let is_bright = |i: i32, o: i32, turn: i32| {
+        let azimuth = f64::from(turn) * 2.0 * PI / f64::from(AZIMUTHS);
+        // Another azimuth of the surface for each, should it be anisotropic.
+        let at = 0.7 * f64::from(i + 3 * o);
+        brdf.evaluate(direction(angle(i), at), direction(angle(o), at + azimuth)).iter().any(|v| *v > 0.0)
+    };
+    let mut all = (0..ANGLES).flat_map(|i| (0..ANGLES).map(move |o| (i, o)));
+    if all.any(|(i, o)| (0..AZIMUTHS).any(|turn| is_bright(i, o, turn))) { brdf } else { &Black }
 }
 
 /// Draws incident directions with a density that is about proportional to `f cos`, in f32, as renderers do. Directions are those of

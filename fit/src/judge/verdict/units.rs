@@ -1,16 +1,21 @@
 //! Whether the values of a table can be a BRDF: other units show in the albedo.
 
 use crate::judge::report::ViewReport;
+use crate::table::BLACK;
 use crate::table::albedo_bounds::{LEAST, MOST, albedos, is_off};
 use std::f64::consts::PI;
+
+/// Albedo below which nothing was measured to be brighter than 0, which tells no unit.
+const NOTHING: f64 = 1.1 * PI * BLACK;
 
 /// A sentence if the largest albedo says that values are not f in 1/sr.
 pub(super) fn fault(views: &[ViewReport]) -> Option<String> {
     let bright = views.iter().filter(|v| !v.is_black).map(|v| (v.theta, v.data_albedo));
-    let most = albedos(bright).into_iter().reduce(f64::max).filter(|most| !most.is_nan() && is_off(*most))?;
+    let most = albedos(bright).into_iter().reduce(f64::max);
+    let most = most.filter(|most| !most.is_nan() && is_off(*most) && *most > NOTHING)?;
     let cause = if most < LEAST {
         format!(
-            "as little as a light trap or the blackest coatings do; values of other units have to be multiplied by 10^{:.0} or so",
+            "as little as a light trap or the blackest coatings do; if it is none of these, values have to be multiplied by 10^{:.0} or so",
             (0.1 / most).log10().round()
         )
     } else if most <= MOST * PI {

@@ -32,6 +32,15 @@ const NOTHING: [&str; 18] = [
     "inf",
 ];
 
+/// Units of values and angles that may stand behind a number.
+const UNITS: [&str; 8] = ["sr^-1", "sr^{-1}", "sr-1", "sr\u{207b}\u{b9}", "1/sr", "/sr", "degrees", "deg"];
+
+/// Least signs that stand for a number which is too wide: fewer begin a comment.
+const WIDE: usize = 4;
+
+/// What begins a comment behind a number.
+const COMMENTS: [&str; 4] = [" #", " //", " %", " !"];
+
 /// Numbers that programs write for nothing are as large as this.
 const FILL: f64 = 1e20;
 
@@ -49,17 +58,28 @@ impl Cell {
             };
         }
         let lower = word.to_lowercase();
+        // What Fortran and spreadsheets write where a number does not fit.
+        let is_too_wide =
+            word.len() >= WIDE && ['*', '#'].iter().any(|mark| word.chars().all(|c| c == *mark));
+        if is_too_wide {
+            return Self::Nothing;
+        }
+        if let Some((before, _)) = COMMENTS.iter().find_map(|mark| word.split_once(mark)) {
+            return Self::of(before);
+        }
         let is_nothing = NOTHING.contains(&lower.as_str()) || lower.ends_with("inf") || lower == "infinity";
         if is_nothing { Self::Nothing } else { Self::Odd }
     }
 }
 
-/// A finite number: with a decimal point or comma, an exponent by `e` or `d`, the minus sign of type setters, and a degree or per cent sign.
+/// A finite number: with a decimal point or comma, an exponent by `e` or `d`, the minus sign of type setters, and a unit of angles or values.
 pub(super) fn number(text: &str) -> Option<f64> {
     let bare = text.trim().trim_matches('"').trim_end_matches(['\u{b0}', '%']).trim();
     if let Ok(number) = bare.parse::<f64>() {
         return Some(number).filter(|v| v.is_finite());
     }
+    let bare =
+        UNITS.iter().find_map(|unit| bare.strip_suffix(unit)).unwrap_or(bare).trim_end_matches('\u{b0}');
     let mut plain: String =
         bare.chars().filter(|c| !c.is_whitespace() && *c != '\'' && *c != '\u{2019}').collect();
     plain = plain.replace(['\u{2212}', '\u{2013}'], "-").replace(['d', 'D'], "e");
@@ -90,13 +110,17 @@ mod tests {
             ("1.0D-03", 1e-3),
             ("30\u{b0}", 30.0),
             ("-.5", -0.5),
+            ("0,125 sr^-1", 0.125),
+            ("30 deg", 30.0),
+            ("0.125 % lamp flickered", 0.125),
+            ("0.125 # 3", 0.125),
         ] {
             assert_eq!(Cell::of(text), Cell::Number(value), "{text}");
         }
-        for text in ["", " ", "NaN", "-nan(ind)", "#DIV/0!", "n/a", "1e30", "-inf", "--"] {
+        for text in ["", " ", "NaN", "-nan(ind)", "#DIV/0!", "n/a", "1e30", "-inf", "--", "*****", "####"] {
             assert_eq!(Cell::of(text), Cell::Nothing, "{text}");
         }
-        for text in ["x", "1,2,3", "12:30", "1e10", "0x10", "de", "e", "1 m"] {
+        for text in ["x", "1,2,3", "12:30", "1e10", "0x10", "de", "e", "1 m", "sr^-1", "# 3"] {
             assert_eq!(Cell::of(text), Cell::Odd, "{text}");
         }
     }

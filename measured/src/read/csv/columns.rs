@@ -1,7 +1,7 @@
 //! Which columns hold the two directions and the value.
 
 use super::super::wavelengths::{Wavelengths, rgb_of_xyz};
-use super::names::{Role, Side, Unit, role, unit};
+use super::names::{Beside, Role, Side, Unit, beside, role, unit};
 use crate::ReadError;
 use crate::file::decode::shortened;
 use std::collections::HashSet;
@@ -18,8 +18,8 @@ pub(super) enum Place {
 pub(super) enum Directions {
     /// Unit vectors, incident and outgoing.
     Vectors([[usize; 3]; 2]),
-    /// Angles from the normal and azimuths.
-    Angles { thetas: [Place; 2], azimuths: Azimuths },
+    /// Angles from the normal, or their cosines, and azimuths.
+    Angles { thetas: [Place; 2], are_cosines: [bool; 2], azimuths: Azimuths },
     /// Angle of the half vector from the normal, angle of a direction from it, and azimuth about it.
     Half([usize; 3]),
 }
@@ -44,6 +44,8 @@ pub(super) enum Values {
     Rgb([usize; 3]),
     Xyz([usize; 3]),
     One(usize),
+    /// The mean of several.
+    Mean(Vec<usize>),
     Spectrum(Vec<usize>, Wavelengths),
     /// A row for each wavelength: places of wavelength and value.
     Long([usize; 2]),
@@ -58,6 +60,8 @@ pub(super) struct Columns {
     /// Units that the names of angles and values carry.
     pub angle_unit: Option<Unit>,
     pub value_unit: Option<Unit>,
+    /// What values are, where they are not f, and the name that says it.
+    pub beside: Option<(Beside, String)>,
     /// Names of columns that are not read.
     pub ignored: Vec<String>,
     /// Assumptions.
@@ -69,6 +73,8 @@ pub(super) struct Columns {
 pub(super) struct NoColumns {
     /// How many of its names are known.
     pub known: usize,
+    /// Whether one is that of a value, or three are of wavelengths.
+    pub has_values: bool,
     pub reason: String,
 }
 
@@ -82,7 +88,14 @@ impl Columns {
         settle(names, &mut roles);
         let is_known = |r: &&Role| r.words().is_some() && !matches!(r, Role::At(_) | Role::Value);
         let known = roles.iter().filter(is_known).count();
-        let fail = |reason: String| Err(NoColumns { known, reason: with_names(reason, names, &roles) });
+        // A row of numbers has none of these.
+        let is_line = |(role, name): (&Role, &String)| {
+            matches!(role, Role::At(_)) && name.contains(char::is_alphabetic)
+        };
+        let lines = roles.iter().zip(names).filter(|both| is_line(*both)).count();
+        let has_values = lines >= SERIES || roles.contains(&Role::Value);
+        let fail =
+            |reason: String| Err(NoColumns { known, has_values, reason: with_names(reason, names, &roles) });
         let is_named = |n: usize| !names[n].trim().is_empty();
         if let Some(odd) = roles.iter().position(|r| *r == Role::NoWavelength) {
             return fail(format!("column `{}` is named by no wavelength", shortened(&names[odd])));
@@ -113,8 +126,11 @@ impl Columns {
             |of: &dyn Fn(usize) -> bool| (0..names.len()).filter(|&n| of(n)).find_map(|n| unit(&names[n]));
         let angle_unit = unit_of(&|n| directions.has(n));
         let value_unit = unit_of(&|n| is_value[n]);
+        let beside = (0..names.len())
+            .filter(|&n| is_value[n])
+            .find_map(|n| Some((beside(&names[n])?, shortened(names[n].trim()))));
         let names = names.iter().map(|name| name.trim().to_owned()).collect();
-        Ok(Self { names, directions, values, angle_unit, value_unit, ignored, notes })
+        Ok(Self { names, directions, values, angle_unit, value_unit, beside, ignored, notes })
     }
 }
 
@@ -243,8 +259,28 @@ impl Sides<'_> {
         let missing = |which: &str, example: &str| {
             format!("no column is the angle of the {which} direction, {example}")
         };
-        if (i.is_none() || o.is_none()) && self.roles.contains(&Role::Cosine) {
-            return Err("cosines of angles are not read; give the angles of both directions".into());
+        let are_cosines = [Side::Incident, Side::Outgoing].map(|side| {
+            let missing = if side == Side::Incident { &mut i } else { &mut o };
+            let cosine = self.place(&Role::Cosine(side)).filter(|_| missing.is_none());
+            *missing = missing.or(cosine);
+            cosine.is_some()
+        });
+        let is_missing = i.is_none() || o.is_none();
+        if is_missing && self.roles.contains(&Role::Elevation) {
+            return Err("an elevation is counted from the horizon, or from the normal: give angles from the normal, such as theta_i or \
+                        light zenith"
+                .into());
+        }
+        let is_of_mirror = |n: &usize| {
+            let lower = self.names[*n].to_lowercase();
+            let mut words = lower.split(|c: char| !c.is_alphanumeric());
+            self.roles[*n] == Role::Other && words.any(|word| matches!(word, "spec" | "specular" | "mirror"))
+        };
+        if is_missing && let Some(n) = (0..self.names.len()).find(is_of_mirror) {
+            return Err(format!(
+                "`{}` is counted from the mirror direction, it seems: give angles from the normal",
+                shortened(&self.names[n])
+            ));
         }
         let i = i.ok_or_else(|| missing("incident", "such as theta_i, AOI or light zenith"))?;
         let o = o.ok_or_else(|| missing("outgoing", example))?;
@@ -267,12 +303,19 @@ impl Sides<'_> {
             ));
         }
         if matches!(azimuths, Azimuths::Outgoing(_) | Azimuths::Incident(_)) {
-            notes.push("there is one azimuth; that of the other direction is taken as 0".into());
+            notes.push(
+                "there is one azimuth: it is taken as the difference between those of both directions".into(),
+            );
         }
         if matches!(azimuths, Azimuths::Phase(_)) {
             notes.push("azimuths follow from the phase angle, which is between both directions".into());
         }
-        Ok(Directions::Angles { thetas: [i, o], azimuths })
+        if are_cosines.contains(&true) && azimuths == Azimuths::InPlane {
+            return Err(
+                "cosines do not tell the sides of the normal: an azimuth is needed, such as dphi".into()
+            );
+        }
+        Ok(Directions::Angles { thetas: [i, o], are_cosines, azimuths })
     }
 }
 
@@ -313,16 +356,47 @@ fn values(names: &[String], roles: &[Role], notes: &mut Vec<String>) -> Result<V
     if let Some(one) = one {
         return Ok(Values::One(one));
     }
+    if let Some(mean) = mean_of(names, roles, notes) {
+        return Ok(mean);
+    }
     if let Some(log) = column(Role::Logarithm) {
         return Err(format!(
             "column `{}` holds logarithms or decibels: give the values themselves, in a column named value",
             shortened(&names[log])
         ));
     }
-    let unknown = names.iter().zip(roles).find(|(name, r)| **r == Role::Other && !name.trim().is_empty());
-    let hint = unknown
-        .map_or_else(String::new, |(name, _)| format!("; if `{}` is the value, name it so", shortened(name)));
+    let mut unknown =
+        names.iter().zip(roles).filter(|(name, r)| **r == Role::Other && !name.trim().is_empty());
+    // Of several, any may be it.
+    let hint = match (unknown.next(), unknown.next()) {
+        (Some((name, _)), None) => format!("; if `{}` is the value, name it so", shortened(name)),
+        _ => String::new(),
+    };
     Err(format!("no column is the value: r,g,b, or X,Y,Z, or value, or wavelengths such as 400nm{hint}"))
+}
+
+/// Two polarisations, or several measurements of the value, whose mean it is.
+fn mean_of(names: &[String], roles: &[Role], notes: &mut Vec<String>) -> Option<Values> {
+    let of =
+        |is: &dyn Fn(&Role) -> bool| -> Vec<usize> { (0..roles.len()).filter(|&n| is(&roles[n])).collect() };
+    let listed = |places: &[usize]| {
+        places.iter().map(|&n| format!("`{}`", shortened(names[n].trim()))).collect::<Vec<_>>().join(" and ")
+    };
+    let [s, p] = [0, 1].map(|which| of(&|role| *role == Role::Polarised(which)));
+    let repeated = of(&|role| *role == Role::Repeated);
+    let (places, text) = match (s.as_slice(), p.as_slice(), repeated.as_slice()) {
+        ([s], [p], _) => {
+            (vec![*s, *p], "are two polarisations: their mean is read, that of light that is not polarised")
+        }
+        ([one], [], _) | ([], [one], _) => {
+            (vec![*one], "is one polarisation alone: it is taken as that of light that is not polarised")
+        }
+        ([], [], [_]) => (repeated, "is one measurement of the value: it is read"),
+        ([], [], [_, ..]) => (repeated, "are measurements of one value: their mean is read"),
+        _ => return None,
+    };
+    notes.push(format!("{} {text}", listed(&places)));
+    Some(Values::Mean(places))
 }
 
 /// The column of one value. Of several, that of a name of the BRDF; the first of a matrix of Mueller.
@@ -362,7 +436,7 @@ fn one_value(names: &[String], roles: &[Role], notes: &mut Vec<String>) -> Resul
 impl Directions {
     /// Changes an angle that stands above the rows; false where there is none of that role.
     pub fn set(&mut self, role: &Role, angle: f64) -> bool {
-        let Self::Angles { thetas, azimuths } = self else { return false };
+        let Self::Angles { thetas, azimuths, .. } = self else { return false };
         let places: &mut [Place] = match (role, azimuths) {
             (Role::Theta(Side::Incident), _) => &mut thetas[..1],
             (Role::Theta(Side::Outgoing), _) => &mut thetas[1..],
@@ -396,7 +470,7 @@ impl Directions {
         match self {
             Self::Vectors(places) => places.as_flattened().contains(&n),
             Self::Half(places) => places.contains(&n),
-            Self::Angles { thetas, azimuths } => {
+            Self::Angles { thetas, azimuths, .. } => {
                 thetas.iter().any(is)
                     || match azimuths {
                         Azimuths::Both(places) => places.iter().any(is),
@@ -416,7 +490,7 @@ impl Values {
         match self {
             Self::Rgb(places) | Self::Xyz(places) => places.to_vec(),
             Self::One(one) => vec![*one],
-            Self::Spectrum(places, _) => places.clone(),
+            Self::Mean(places) | Self::Spectrum(places, _) => places.clone(),
             Self::Long(places) => places.to_vec(),
         }
     }
@@ -427,6 +501,7 @@ impl Values {
             Self::Rgb(_) => [numbers[0], numbers[1], numbers[2]],
             Self::Xyz(_) => rgb_of_xyz([numbers[0], numbers[1], numbers[2]]),
             Self::One(_) => [numbers[0]; 3],
+            Self::Mean(places) => [numbers.iter().sum::<f64>() / places.len() as f64; 3],
             Self::Spectrum(_, wavelengths) => wavelengths.rgb(numbers),
             Self::Long(_) => [numbers[1]; 3],
         }

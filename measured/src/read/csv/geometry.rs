@@ -7,6 +7,7 @@ use super::columns::{Azimuths, Columns, Directions, Place};
 use super::names::Unit;
 use super::{Numbers, Unknown};
 use crate::ReadError;
+use crate::table::direction;
 use std::f64::consts::{FRAC_PI_2, PI};
 
 /// How far a squared length may be from 1.
@@ -17,6 +18,9 @@ const ROUNDING: f64 = 1e-3;
 
 /// What rounding makes of the cosine of a phase angle.
 const PHASE: f64 = 0.02;
+
+/// Product of the sines of two directions below which one is the normal, and has no azimuth.
+const AT_NORMAL: f64 = 1e-9;
 
 /// Largest azimuth that is believed, degrees.
 const TURNS: f64 = 36000.0;
@@ -32,6 +36,8 @@ pub(super) struct Geometry {
     is_half: bool,
     /// Radians of a unit of the file.
     radians: f64,
+    /// Whether cosines stand in place of angles from the normal.
+    are_cosines: [bool; 2],
     azimuths: Option<Azimuths>,
     /// In a plane: the meaning of the azimuth of the outgoing direction.
     plane: f64,
@@ -45,7 +51,7 @@ pub(super) fn places(directions: &Directions) -> [Option<Place>; 6] {
             let column = |n: &usize| Some(Place::Column(*n));
             [column(half), column(theta), None, column(phi), None, None]
         }
-        Directions::Angles { thetas: [i, o], azimuths } => {
+        Directions::Angles { thetas: [i, o], azimuths, .. } => {
             let [phi_i, phi_o] = match azimuths {
                 Azimuths::Both([i, o]) => [Some(*i), Some(*o)],
                 Azimuths::Outgoing(o) | Azimuths::Phase(o) => [None, Some(*o)],
@@ -75,27 +81,29 @@ impl Geometry {
         conventions: &Conventions,
         reading: &mut Reading,
     ) -> Result<Self, ReadError> {
-        let azimuths = match &columns.directions {
-            Directions::Vectors(_) | Directions::Half(_) => None,
-            Directions::Angles { azimuths, .. } => Some(*azimuths),
+        let (azimuths, are_cosines) = match &columns.directions {
+            Directions::Vectors(_) | Directions::Half(_) => (None, [false; 2]),
+            Directions::Angles { azimuths, are_cosines, .. } => (Some(*azimuths), *are_cosines),
         };
         let (is_vectors, is_half) = match &columns.directions {
             Directions::Vectors(_) => (true, false),
             Directions::Half(_) => (false, true),
             Directions::Angles { .. } => (false, false),
         };
-        let mut geometry = Self { is_vectors, is_half, radians: 1.0, azimuths, plane: PI };
+        let mut geometry = Self { is_vectors, is_half, radians: 1.0, are_cosines, azimuths, plane: PI };
         if geometry.is_vectors {
             return Ok(geometry);
         }
-        let angles = match (conventions.angles, columns.angle_unit.or(said)) {
-            (Some(angles), _) => angles,
-            (None, Some(Unit::Degrees)) => Angles::Degrees,
-            (None, Some(Unit::Radians)) => Angles::Radians,
-            _ => found_angles(rows, unknown, reading)?,
+        let radians_of = |angles| if angles == Angles::Degrees { PI / 180.0 } else { 1.0 };
+        geometry.radians = match (conventions.angles, columns.angle_unit.or(said)) {
+            (Some(angles), _) => radians_of(angles),
+            (None, Some(Unit::Degrees)) => radians_of(Angles::Degrees),
+            (None, Some(Unit::Radians)) => radians_of(Angles::Radians),
+            (None, Some(Unit::Gon)) => PI / 200.0,
+            _ => radians_of(found_angles(rows, are_cosines, unknown, reading)?),
         };
-        geometry.radians = if angles == Angles::Degrees { PI / 180.0 } else { 1.0 };
-        let signed = rows.iter().filter(|row| row.directions[..2].iter().any(|theta| *theta < 0.0)).count();
+        let is_signed = |row: &&Numbers| (0..2).any(|k| !are_cosines[k] && row.directions[k] < 0.0);
+        let signed = rows.iter().filter(is_signed).count();
         if azimuths == Some(Azimuths::InPlane) {
             geometry.plane = plane(rows, geometry.radians, conventions.mirror, reading);
         } else if signed > 0 {
@@ -123,10 +131,20 @@ impl Geometry {
             Some(Azimuths::InPlane) => [0.0, self.plane / self.radians],
             _ => [d[2], d[3]],
         };
-        for (name, angle, most) in
-            [("theta", d[0], PI), ("theta", d[1], PI), ("phi", phi_i, TURNS), ("phi", phi_o, TURNS)]
-        {
-            let radians = angle * self.radians;
+        let thetas = [0, 1].map(|k| match self.are_cosines[k] && d[k].abs() <= 1.0 + ROUNDING {
+            true => libm::acos(d[k].clamp(-1.0, 1.0)),
+            false => d[k] * self.radians,
+        });
+        if let Some(k) = (0..2).find(|&k| self.are_cosines[k] && d[k].abs() > 1.0 + ROUNDING) {
+            return Err(ReadError::Content(format!("line {}: {} is no cosine", row.line, d[k])));
+        }
+        let [phi_i_radians, phi_o_radians] = [phi_i, phi_o].map(|phi| phi * self.radians);
+        for (name, angle, radians, most) in [
+            ("theta", d[0], thetas[0], PI),
+            ("theta", d[1], thetas[1], PI),
+            ("phi", phi_i, phi_i_radians, TURNS),
+            ("phi", phi_o, phi_o_radians, TURNS),
+        ] {
             if radians.abs() > most + ROUNDING {
                 let text = format!(
                     "line {}: {name} {angle} is no angle: 180 degrees is the most from the normal",
@@ -136,7 +154,7 @@ impl Geometry {
             }
         }
         if let Some(Azimuths::Phase(_)) = self.azimuths {
-            let [i, o] = [d[0] * self.radians, d[1] * self.radians];
+            let [i, o] = thetas;
             let both = libm::sin(i) * libm::sin(o);
             let across = libm::cos(phi_o * self.radians) - libm::cos(i) * libm::cos(o);
             if across.abs() > both.abs() + PHASE {
@@ -145,28 +163,34 @@ impl Geometry {
                     row.line
                 )));
             }
-            let turn = if both.abs() > PHASE { libm::acos((across / both).clamp(-1.0, 1.0)) } else { 0.0 };
-            return Ok([self.vector(d[0], 0.0), self.vector(d[1], turn / self.radians)]);
+            let turn =
+                if both.abs() > AT_NORMAL { libm::acos((across / both).clamp(-1.0, 1.0)) } else { 0.0 };
+            return Ok([direction(i, 0.0), direction(o, turn)]);
         }
         if self.is_half {
-            return Ok(from_half(d[0] * self.radians, d[1] * self.radians, phi_o * self.radians));
+            return Ok(from_half(thetas[0], thetas[1], phi_o_radians));
         }
-        Ok([self.vector(d[0], phi_i), self.vector(d[1], phi_o)])
-    }
-
-    fn vector(&self, theta: f64, phi: f64) -> [f64; 3] {
-        let (st, ct) = libm::sincos(theta * self.radians);
-        let (sp, cp) = libm::sincos(phi * self.radians);
-        [st * cp, st * sp, ct]
+        Ok([direction(thetas[0], phi_i_radians), direction(thetas[1], phi_o_radians)])
     }
 }
 
 /// The unit of angles, by the numbers alone.
-fn found_angles(rows: &[Numbers], unknown: Unknown, reading: &mut Reading) -> Result<Angles, ReadError> {
+fn found_angles(
+    rows: &[Numbers],
+    are_cosines: [bool; 2],
+    unknown: Unknown,
+    reading: &mut Reading,
+) -> Result<Angles, ReadError> {
     let most = |places: &[usize]| {
         rows.iter().flat_map(|row| places.iter().map(|&n| row.directions[n].abs())).fold(0.0, f64::max)
     };
-    let (theta, phi) = (most(&[0, 1]), most(&[2, 3]));
+    let thetas: Vec<usize> = (0..2).filter(|&k| !are_cosines[k]).collect();
+    let (theta, phi) = (most(&thetas), most(&[2, 3]));
+    if thetas.is_empty() && phi > 0.0 && phi <= 2.0 * PI + ROUNDING {
+        return Err(ReadError::Content(format!(
+            "no azimuth is above {phi:.4}: are they radians? Say it by --angles radians (or degrees), or in the names: dphi [rad]"
+        )));
+    }
     let may_be_radians = theta <= FRAC_PI_2 + ROUNDING && phi <= 2.0 * PI + ROUNDING;
     if unknown == Unknown::IsRadians {
         if may_be_radians || theta <= PI + ROUNDING {
@@ -203,11 +227,19 @@ fn plane(rows: &[Numbers], radians: f64, mirror: Option<Mirror>, reading: &mut R
         found.sort_by(f64::total_cmp);
         (found.len() >= SHOWN).then(|| found[found.len() * 3 / 4])
     };
-    let sides = if let (Some(equal), Some(opposite)) = (near(1.0), near(-1.0)) {
-        opposite > BRIGHTER * equal
-    } else {
-        false
-    };
+    let both = near(1.0).zip(near(-1.0));
+    let sides = both.is_some_and(|(equal, opposite)| opposite > BRIGHTER * equal);
+    let is_equal = both.is_some_and(|(equal, opposite)| equal > BRIGHTER * opposite);
+    // Who writes every angle of the light below 0 counts angles along the plane.
+    let below = |row: &Numbers| row.directions[0] <= 0.0;
+    if !sides && !is_equal && rows.iter().all(below) && rows.iter().any(|row| row.directions[0] < 0.0) {
+        reading.note_option(
+            "there is no azimuth: all is in the plane of incidence, and as incident angles are below 0, angles of opposite signs are on \
+             the two sides of the normal",
+            "--mirror equal",
+        );
+        return 0.0;
+    }
     if sides {
         reading.note_option(
             "there is no azimuth: all is in the plane of incidence, and as the brightest samples show, angles of opposite signs \

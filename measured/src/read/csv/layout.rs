@@ -9,6 +9,9 @@ use crate::file::decode::shortened;
 pub(super) const SEARCHED: usize = 1000;
 const FIELDS: usize = 1 << 18;
 
+/// Lines below the names that may hold angles of the first rows.
+const BELOW: usize = 8;
+
 /// Known names that make a line one of names.
 const NAMES: usize = 2;
 
@@ -42,6 +45,7 @@ impl Layout {
         let mut closest: Option<(usize, NoColumns)> = None;
         let mut found: Option<Self> = None;
         let mut at = 0;
+        let mut before = String::new();
         for (n, line) in text.split_inclusive('\n').enumerate().take(SEARCHED) {
             at += line.len();
             let (plain, is_comment) = without_mark(line.trim());
@@ -55,8 +59,27 @@ impl Layout {
                 above.separator = Some(separator);
                 continue;
             }
-            match above.columns(plain) {
+            if is_statement(plain) && found.is_none() {
+                above.read(plain);
+                continue;
+            }
+            let named = above.columns(plain).or_else(|no| {
+                if no.known == 0 {
+                    return Err(no);
+                }
+                let below = constants_below(&text[at..]);
+                let count = above.constants.len();
+                above.constants.extend(below);
+                let found = if above.constants.len() > count { above.columns(plain).ok() } else { None };
+                found.or_else(|| above.in_two_lines(&before, plain)).ok_or_else(|| {
+                    above.constants.truncate(count);
+                    no
+                })
+            });
+            before = plain.to_owned();
+            match named {
                 Ok((columns, separator)) => {
+                    let columns = with_row_names(columns, &above.constants, separator, &text[at..]);
                     let Above { angle_unit, announced, .. } = above;
                     found =
                         Some(Self { columns, separator, line: n + 1, rows_at: at, angle_unit, announced });
@@ -67,7 +90,20 @@ impl Layout {
                 }
                 Err(_) if found.is_some() => break,
                 Err(reason) => {
-                    if reason.known > 0 && closest.as_ref().is_none_or(|c| reason.known > c.1.known) {
+                    let rank = |no: &NoColumns| 2 * no.known + usize::from(no.has_values);
+                    let is_number = |parts: (&str, &str)| {
+                        parts
+                            .1
+                            .split_whitespace()
+                            .next()
+                            .is_some_and(|word| super::cells::number(word).is_some())
+                    };
+                    // `Wavelength (um): 0.6328`.
+                    let is_of_all_rows = plain.split_once(':').is_some_and(is_number);
+                    if rank(&reason) > 0
+                        && !is_of_all_rows
+                        && closest.as_ref().is_none_or(|c| rank(&reason) > rank(&c.1))
+                    {
                         closest = Some((n + 1, reason));
                     }
                     if above.fields > FIELDS {
@@ -102,7 +138,8 @@ pub(super) struct Above {
 impl Above {
     /// The columns that a line names, and what separates them; else the attempt that knows most names.
     fn columns(&mut self, line: &str) -> Result<(Columns, char), NoColumns> {
-        let mut best: Result<(Columns, char), NoColumns> = Err(NoColumns { known: 0, reason: String::new() });
+        let none = NoColumns { known: 0, has_values: false, reason: String::new() };
+        let mut best: Result<(Columns, char), NoColumns> = Err(none);
         let said = self.separator.into_iter();
         for separator in said.chain(SEPARATORS.into_iter().filter(|_| self.separator.is_none())) {
             let count = if separator == ' ' {
@@ -113,6 +150,10 @@ impl Above {
             if count < 2 {
                 continue;
             }
+            // White space separates the words of names.
+            if separator == ' ' && best.as_ref().err().is_some_and(|no| no.known >= NAMES) {
+                break;
+            }
             self.fields += count;
             if self.fields > FIELDS {
                 break;
@@ -121,9 +162,13 @@ impl Above {
             if names.len() < 2 {
                 continue;
             }
-            let found = Columns::find(&names, &self.constants).map(|columns| (columns, separator));
+            let mut found = Columns::find(&names, &self.constants).map(|columns| (columns, separator));
+            if let (' ', Err(no)) = (separator, &mut found) {
+                // Any word of a sentence may be that of a value.
+                no.has_values = false;
+            }
             let is_better = match (&best, &found) {
-                (Err(best), Err(found)) => found.known > best.known,
+                (Err(best), Err(found)) => (found.known, found.has_values) > (best.known, best.has_values),
                 (Err(_), Ok(_)) => true,
                 // White space separates words of a name too.
                 (Ok(best), Ok(found)) => separator != ' ' && found.0.names.len() > best.0.names.len(),
@@ -134,6 +179,32 @@ impl Above {
             }
         }
         best
+    }
+
+    /// The columns of names in two lines, of which the first has the groups: `incident,,outgoing,,BRDF` above `theta,phi,theta,phi,value`.
+    fn in_two_lines(&mut self, first: &str, second: &str) -> Option<(Columns, char)> {
+        let separators =
+            SEPARATORS.into_iter().filter(|separator| *separator != ' ' && first.contains(*separator));
+        for separator in self.separator.into_iter().chain(separators) {
+            let (groups, names) = (fields(first, separator), fields(second, separator));
+            self.fields += groups.len() + names.len();
+            let is_odd = |name: &String| super::cells::number(name).is_some();
+            if self.fields > FIELDS || groups.len() != names.len() || groups.iter().any(is_odd) {
+                continue;
+            }
+            let mut group = String::new();
+            let both = groups.into_iter().zip(names).map(|(of, name)| {
+                if !of.is_empty() {
+                    group = of;
+                }
+                format!("{group} {name}").trim().to_owned()
+            });
+            let both: Vec<String> = both.collect();
+            if let Ok(columns) = Columns::find(&both, &self.constants) {
+                return Some((columns, separator));
+            }
+        }
+        None
     }
 
     /// `name: number` is a direction or wavelength of all rows; a word tells the unit of angles.
@@ -152,8 +223,38 @@ impl Above {
     }
 }
 
+/// Whether a line is `AOI: 30`, and no line of names.
+fn is_statement(line: &str) -> bool {
+    let value = line.split_once([':', '=']).map(|parts| parts.1.trim_start());
+    value.is_some_and(|value| value.starts_with(|c: char| c.is_ascii_digit() || "+-.".contains(c)))
+        && (constant(line).is_some()
+            || line.split([':', '=']).next().is_some_and(|name| role(name).words().is_some()))
+}
+
+/// The angles that stand between the names and the numbers.
+fn constants_below(rows: &str) -> Constants {
+    let lines = rows.lines().map(|line| without_mark(line.trim()).0).filter(|line| !line.is_empty());
+    lines.take(BELOW).map_while(|line| constant(line).filter(|_| is_statement(line))).collect()
+}
+
+/// The columns under names that lack one: that of the numbers or names of rows, as R writes them.
+fn with_row_names(columns: Columns, constants: &Constants, separator: char, rows: &str) -> Columns {
+    let first = rows.lines().map(str::trim).find(|line| !line.is_empty() && !is_comment(line));
+    let cells = first.map_or_else(Vec::new, |line| fields(line, separator));
+    let is_number = |cell: &String| super::cells::number(cell).is_some();
+    let is_name = |cell: &String| matches!(cell.as_str(), "0" | "1") || !is_number(cell);
+    let has_names =
+        cells.len() == columns.names.len() + 1 && is_name(&cells[0]) && cells[1..].iter().all(is_number);
+    let moved = || {
+        let names: Vec<String> =
+            std::iter::once(String::new()).chain(columns.names.iter().cloned()).collect();
+        Columns::find(&names, constants).ok()
+    };
+    if has_names { moved().unwrap_or(columns) } else { columns }
+}
+
 /// The number of rows that a line announces: `points: 75`.
-fn announced(line: &str) -> Option<usize> {
+pub(super) fn announced(line: &str) -> Option<usize> {
     let (name, value) = line.split_once([':', '=', ',', ';', '\t', ' '])?;
     let bare = name.to_lowercase().replace(|c: char| !c.is_alphanumeric(), "");
     let is_count = matches!(
@@ -167,6 +268,7 @@ fn announced(line: &str) -> Option<usize> {
             | "numrows"
             | "numberofrows"
             | "numberofmeasurements"
+            | "numberofsets"
     );
     is_count.then(|| value.trim_matches([' ', ',', ';', '\t']).parse().ok())?
 }

@@ -32,10 +32,16 @@ pub(super) enum Role {
     ThetaDifference,
     /// Azimuth about the half vector.
     PhiDifference,
-    /// The cosine of an angle.
-    Cosine,
+    /// The cosine of an angle from the normal.
+    Cosine(Side),
+    /// An angle from the horizon, or one from the normal of which that is said.
+    Elevation,
     /// One value.
     Value,
+    /// One of two polarisations of the value: 0 s, 1 p.
+    Polarised(usize),
+    /// One of several measurements of the value.
+    Repeated,
     /// A channel of linear sRGB.
     Rgb(usize),
     /// X, Y or Z.
@@ -71,8 +77,11 @@ impl Role {
             Self::Vector(Side::Either, _) => "vector",
             Self::ThetaHalf => "half angle",
             Self::ThetaDifference | Self::PhiDifference => "difference angle",
-            Self::Cosine => "cosine",
+            Self::Cosine(_) => "cosine",
+            Self::Elevation => "elevation",
             Self::Value => "value",
+            Self::Polarised(_) => "one polarisation",
+            Self::Repeated => "one of several measurements",
             Self::Rgb(_) => "channel",
             Self::Xyz(_) => "tristimulus",
             Self::Wavelength => "wavelength",
@@ -88,36 +97,74 @@ impl Role {
 pub(super) enum Unit {
     Degrees,
     Radians,
+    /// Of which a right angle has 100.
+    Gon,
     Percent,
 }
 
+/// What values of a column are beside f.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Beside {
+    /// f times the cosine of the outgoing direction: angle-resolved scatter.
+    CosineOutgoing,
+    /// pi f: a reflectance factor.
+    Pi,
+    /// pi f times the cosine of the incident direction: the radiance factor of planets.
+    PiCosineIncident,
+}
+
 const INCIDENT: &str = "i in inc inci incident incidence incoming input l light src source sun sol solar lamp illumination illum \
-    irradiation ill incid ein einfall einfalls lichtquelle laser licht beleuchtung beleuchtungs einstrahlung einstrahl \
-    incidencia incidente incidenza éclairage eclairage éclairement lumière";
+    irradiation ill incid ein einfall einfalls lichteinfall lichteinfalls lichtquelle laser licht beleuchtung beleuchtungs einstrahlung einstrahl \
+    incidencia incidente incidenza 入射 太阳 光源 éclairage eclairage éclairement lumière";
 const OUTGOING: &str = "o out outgoing output r refl reflected reflection v view viewer viewing cam camera det detector d \
     sensor satellite rec receive receiver receiving e em emission emitted exit measure measured measurement obs observation observer \
     scat sct scatter scattered scattering emergent emergence aus ausfall ausfalls beobachter beobachtungs betrachtungs detektor \
     reflexion reflexions réflexion streu \
     beobachtung betrachtung betrachter detektion mess messung messkopf reflektiert sicht blick observación observacion \
-    reflexión osservazione riflessione visée visee vision capteur empfänger";
-const POLAR: &str = "theta zenith zenit zen polar inclination th tht vertical";
-const AZIMUTH: &str = "azimuthal azimuth azimutal azimut acimut azim azi phi az";
+    观测 观察 出射 反射 探测 受光 reflexión osservazione riflessione visée visee vision capteur empfänger";
+const POLAR: &str = "theta zenith zenit zen polar inclination th tht vertical 天顶角 天頂角 天顶 角";
+const AZIMUTH: &str = "azimuthal azimuth azimutal azimut acimut azim azi phi az 方位角 方位";
+/// Angles that some count from the horizon, and some from the normal.
+const ELEVATION: &str = "elevation elev altitude grazing glancing";
+/// Before the number of a repeated measurement.
+const REPEATED: &str =
+    "run rep repeat repetition trial scan shot meas measurement messung mesure wiederholung";
+/// A mean of measurements.
+const MEAN: &str = "mean avg average median mittel mittelwert moyenne media";
+/// Names of a reflectance factor: pi f.
+const FACTORS: &str = "brf hdrf reff reflectancefactor";
+/// Names of the radiance factor of planets, pi f times the cosine of the incident direction; `I/F` is another.
+const RADIANCE_FACTORS: &str = "iof radf";
 const VALUES: &str = "value val values f fr brdf bsdf y luminance lum grey gray intensity reflectance rho \
-    reflectancefactor radiance brdfvalue brf hdrf wert valeur bidir brdfsr fbrdf signal data messwert ars ccbrdf cosinecorrectedbrdf";
+    reflectancefactor radiance brdfvalue brf hdrf reff reflectancefactor iof radf frdb fdrb wert valeur bidir brdfsr fbrdf signal data messwert ars ccbrdf cosinecorrectedbrdf";
 /// Angles in German, Spanish and Italian.
 const ANGLES: [&str; 8] = ["winkel", "Winkel", "ángulo", "Ángulo", "angulo", "Angulo", "angolo", "Angolo"];
 /// Names of the channels, in six languages.
 const CHANNELS: [&str; 3] =
     ["r red rot rouge rojo rosso vermelho", "g green grün vert verde", "b blue blau bleu azul blu"];
 /// Before a channel or a wavelength.
-const BEFORE: &str = "brdf bsdf value reflectance refl linear lin srgb rgb f fr xyz r";
+const BEFORE: &str = "brdf bsdf brf hdrf reff value reflectance refl linear lin srgb rgb f fr xyz r";
 const BEFORE_WAVELENGTH: &str =
     "wavelength lambda \u{3bb} \u{3c1} wl w brdf bsdf value reflectance refl f fr r nm l";
 
-/// Whether a value of that name is f times the cosine of the outgoing direction: angle-resolved scatter.
-pub(super) fn is_times_cosine(name: &str) -> bool {
-    let bare: String = words(name).into_iter().filter(|word| !matches!(word.as_str(), "1" | "sr")).collect();
-    matches!(bare.as_str(), "ars" | "ccbrdf" | "cosinecorrectedbrdf")
+/// What values of that name are, where they are not f.
+pub(super) fn beside(name: &str) -> Option<Beside> {
+    let all = words(name);
+    let bare: String =
+        all.iter().filter(|word| !matches!(word.as_str(), "1" | "sr")).map(String::as_str).collect();
+    if matches!(bare.as_str(), "ars" | "ccbrdf" | "cosinecorrectedbrdf") {
+        return Some(Beside::CosineOutgoing);
+    }
+    let is_named = |names: &str| has(names, &bare) || all.iter().any(|word| has(names, word));
+    if is_over(name) || is_named(RADIANCE_FACTORS) {
+        return Some(Beside::PiCosineIncident);
+    }
+    (is_named(FACTORS) || bare.contains("reflectancefactor")).then_some(Beside::Pi)
+}
+
+/// Whether a name is `I/F`.
+fn is_over(name: &str) -> bool {
+    name.trim().eq_ignore_ascii_case("i/f")
 }
 
 /// Digits from which on a number is a wavelength without a unit.
@@ -132,6 +179,7 @@ pub(super) fn unit(name: &str) -> Option<Unit> {
     let of = |word: &str| match word {
         "deg" | "degs" | "degree" | "degrees" | "grad" | "\u{b0}" => Some(Unit::Degrees),
         "rad" | "rads" | "radian" | "radians" => Some(Unit::Radians),
+        "gon" | "gons" | "gradian" | "gradians" => Some(Unit::Gon),
         "percent" | "pct" => Some(Unit::Percent),
         _ => None,
     };
@@ -166,6 +214,10 @@ pub(super) fn role(name: &str) -> Role {
                 | "rads"
                 | "radian"
                 | "radians"
+                | "gon"
+                | "gons"
+                | "gradian"
+                | "gradians"
                 | "sr"
                 | "1"
                 | "sterad"
@@ -191,19 +243,33 @@ pub(super) fn role(name: &str) -> Role {
     };
     let all = words(name);
     let has_angle = all.iter().any(|w| w == "angle" || w == "angles")
-        || matches!(unit(name), Some(Unit::Degrees | Unit::Radians));
+        || matches!(unit(name), Some(Unit::Degrees | Unit::Radians | Unit::Gon));
     let bare: Vec<String> = all.iter().filter(|w| !is_unit(w)).cloned().collect();
     let kept: String = bare.iter().filter(|w| !is_filler(w)).map(String::as_str).collect();
     let joined: String = bare.concat();
     match joined.as_str() {
         "aoi" | "angleofincidence" | "sza" => return Role::Theta(Side::Incident),
-        "vza" | "aos" | "angleofscatter" => return Role::Theta(Side::Outgoing),
+        "vza" | "aos" | "aor" | "aoe" | "angleofscatter" => return Role::Theta(Side::Outgoing),
         "saa" => return Role::Phi(Side::Incident),
         "vaa" => return Role::Phi(Side::Outgoing),
         "raa" => return Role::DeltaPhi,
-        "wavelength" | "wavelengths" | "lambda" | "wl" | "wavelengthnm" | "lambdanm" | "wavelengthum"
-        | "wellenlänge" | "longueurdonde" => return Role::Wavelength,
+        // Cosines, as codes of radiative transfer name them.
+        "mu0" | "umu0" | "mui" => return Role::Cosine(Side::Incident),
+        "mu" | "umu" | "muo" | "mur" | "muv" => return Role::Cosine(Side::Outgoing),
         _ => {}
+    }
+    let length = ["nm", "um", "\u{b5}m", "\u{3bc}m"].iter().find_map(|unit| joined.strip_suffix(unit));
+    if has(
+        "wavelength wavelengths lambda wl wellenlänge longueurdonde longueuronde",
+        length.unwrap_or(&joined),
+    ) {
+        return Role::Wavelength;
+    }
+    if is_over(name) {
+        return Role::Value;
+    }
+    if let Some(part) = part(&all) {
+        return part;
     }
     if is_logarithm(&plain, &kept) {
         return Role::Logarithm;
@@ -217,7 +283,7 @@ pub(super) fn role(name: &str) -> Role {
         "phidiff" | "phidifference" => return Role::PhiDifference,
         "phase" | "phaseangle" | "phasenwinkel" => return Role::Phase,
         "incidence" => return Role::Theta(Side::Incident),
-        "receive" => return Role::Theta(Side::Outgoing),
+        "receive" | "emission" | "emergence" => return Role::Theta(Side::Outgoing),
         _ => {}
     }
     if let Some(side) = kept.strip_suffix('a').filter(|rest| rest.len() > 2).and_then(side) {
@@ -225,7 +291,10 @@ pub(super) fn role(name: &str) -> Role {
     }
     if let Some(rest) = kept.strip_prefix("cosine").or_else(|| kept.strip_prefix("cos")) {
         let of = around(rest, POLAR).unwrap_or_else(|| rest.to_owned());
-        return if side(&of).is_some() { Role::Cosine } else { Role::Other };
+        return side(&of).map_or(Role::Other, Role::Cosine);
+    }
+    if around(&kept, ELEVATION).is_some_and(|rest| rest.is_empty() || side(&rest).is_some()) {
+        return Role::Elevation;
     }
     // Before azimuths: azul begins as one.
     if kept.len() > 2
@@ -249,6 +318,7 @@ pub(super) fn role(name: &str) -> Role {
         "diferencia",
         "différence",
         "diff",
+        "相对",
         "iv",
         "io",
         "ir",
@@ -316,7 +386,8 @@ fn vector_by_axis(name: &str) -> Option<Role> {
 
 fn channel(name: &str) -> Option<Role> {
     let xyz = ["x", "y", "z"];
-    if has(VALUES, name) && name != "y" {
+    let middle = MEAN.split(' ').find_map(|mean| name.strip_suffix(mean).or_else(|| name.strip_prefix(mean)));
+    if has(VALUES, middle.unwrap_or(name)) && name != "y" || middle == Some("") {
         return Some(Role::Value);
     }
     let of = |bare: &str| {
@@ -326,6 +397,27 @@ fn channel(name: &str) -> Option<Role> {
     BEFORE.split(' ').chain([""]).find_map(|before| {
         name.strip_prefix(before).and_then(of).or_else(|| name.strip_suffix(before).and_then(of))
     })
+}
+
+/// A value of one polarisation, or one of several measurements: `BRDF_s`, `BRDF run 2`.
+fn part(words: &[String]) -> Option<Role> {
+    let (value, rest) = words.split_first()?;
+    if !has(VALUES, value) || value == "y" {
+        return None;
+    }
+    let count = rest.len();
+    let has_unit = count >= 2
+        && matches!([rest[count - 2].as_str(), rest[count - 1].as_str()], ["1", "sr"] | ["sr", "1"]);
+    let rest = rest[..count - if has_unit { 2 } else { 0 }].iter();
+    let rest: String =
+        rest.filter(|word| !has("pol polarised polarized", word)).map(String::as_str).collect();
+    let bare = rest.trim_end_matches(|c: char| c.is_ascii_digit());
+    match rest.as_str() {
+        "s" | "te" | "perpendicular" | "senkrecht" | "spol" => Some(Role::Polarised(0)),
+        "p" | "tm" | "parallel" | "ppol" => Some(Role::Polarised(1)),
+        _ if bare.len() < rest.len() && has(REPEATED, bare) => Some(Role::Repeated),
+        _ => None,
+    }
 }
 
 /// Whether a name is that of a logarithm of the value: `log10(BRDF)`, `BRDF [dB]`.
@@ -339,7 +431,10 @@ fn is_logarithm(plain: &str, kept: &str) -> bool {
 /// A value at a wavelength: a number with nothing but a unit or a plain word about it. A unit or three digits make it a wavelength.
 fn spectral(plain: &str) -> Option<Role> {
     let micro = ["um", "\u{b5}m", "\u{3bc}m", "micron", "microns"];
-    let without: String = plain.chars().filter(|c| !" _-[](){}/=:".contains(*c)).collect();
+    let plain = ["1/sr", "sr^-1", "sr-1", "sr\u{207b}\u{b9}"]
+        .iter()
+        .fold(plain.to_owned(), |name, unit| name.replace(unit, ""));
+    let without: String = plain.chars().filter(|c| !" _-[](){}/=:@".contains(*c)).collect();
     let (bare, unit) = match without.strip_suffix("nm") {
         Some(bare) => (bare.to_owned(), Some(1.0)),
         None => match micro.iter().find_map(|unit| without.strip_suffix(unit)) {
@@ -372,6 +467,8 @@ fn words(name: &str) -> Vec<String> {
             '\u{3c1}' => Some("rho"),
             _ => None,
         };
+        // Of units: `sr⁻¹`.
+        let c = if c == '\u{b9}' { '1' } else { c };
         if let Some(word) = greek {
             words.extend([word.to_owned(), String::new()]);
         } else if !c.is_alphanumeric() {
@@ -421,7 +518,19 @@ mod tests {
             ),
             ("Azimut Goniometerkopf|azimuth of table", OddPhi),
             ("angle|angle [deg]", ThetaAlone),
-            ("cos_i|cos_theta_o|cosThetaI", Cosine),
+            ("cos_i|cosThetaI|mu0", Cosine(Incident)),
+            ("cos_theta_o|mu", Cosine(Outgoing)),
+            ("sun_elevation|elevation|grazing angle", Elevation),
+            ("入射天顶角|入射角", Theta(Incident)),
+            ("观测天顶角|受光角", Theta(Outgoing)),
+            ("相对方位角|方位角", DeltaPhi),
+            ("BRDF_s|BRDF TE [1/sr]", Polarised(0)),
+            ("BRDF p-pol", Polarised(1)),
+            ("BRDF_run_1|value rep 2", Repeated),
+            ("mean|BRDF mean|FRDB (sr-1)|I/F", Value),
+            ("BRF_red", Rgb(0)),
+            ("Lichteinfall [°]|theta_i [gon]", Theta(Incident)),
+            ("emission|AOR", Theta(Outgoing)),
             ("theta_s", Theta(Either)),
             ("theta", ThetaAlone),
             ("phi_i|phiI|azimuth_i|Incident azimuth|\u{3c6}_i|light azimuth angle", Phi(Incident)),
@@ -440,8 +549,11 @@ mod tests {
             ("b|blue|f_b|blau|bleu|azul|blu", Rgb(2)),
             ("X|x", Xyz(0)),
             ("Y", Xyz(1)),
-            ("wavelength|lambda|\u{3bb}|wavelength [nm]|Wavelength_nm", Wavelength),
-            ("400|400nm| 400 nm |wl_400|lambda400|\u{3bb}=400 nm|brdf_400nm|0.4um|0.4 \u{b5}m", At(400.0)),
+            ("wavelength|lambda|\u{3bb}|wavelength [nm]|Wavelength_nm|Wavelength (\u{b5}m)", Wavelength),
+            (
+                "400|400nm| 400 nm |wl_400|lambda400|\u{3bb}=400 nm|brdf_400nm|BRDF @ 400 nm (1/sr)|0.4um|0.4 \u{b5}m",
+                At(400.0),
+            ),
             ("NaN|inf|-inf|nan nm", NoWavelength),
             ("theta_h|halfangle", ThetaHalf),
             ("src_a|sun_a", Phi(Incident)),
@@ -456,7 +568,7 @@ mod tests {
             ("phi_tilt", OddPhi),
             ("log10(BRDF)|ln f|BRDF [dB]|brdf_db|log_brdf", Logarithm),
             ("fr11|BRDF11|11", Numbered(11.0)),
-            ("sigma|weight|comment|sample|uncertainty|date|n_x|index", Other),
+            ("sigma|weight|comment|sample|uncertainty|date|n_x|index|std|BRDF_std", Other),
         ] {
             for name in names.split('|') {
                 let found = super::role(name);
@@ -468,6 +580,11 @@ mod tests {
         assert_eq!(unit("\u{3b8} (\u{b0})"), Some(Unit::Degrees));
         assert_eq!(unit("theta_rad"), Some(Unit::Radians));
         assert_eq!(unit("theta_i"), None);
+        assert_eq!(unit("theta_i [gon]"), Some(Unit::Gon));
+        assert_eq!(beside("BRF_red"), Some(Beside::Pi));
+        assert_eq!(beside("I/F"), Some(Beside::PiCosineIncident));
+        assert_eq!(beside("ARS [1/sr]"), Some(Beside::CosineOutgoing));
+        assert_eq!((beside("BRDF"), beside("reflectance")), (None, None));
         assert_eq!(unit("BRDF %"), Some(Unit::Percent));
     }
 }
