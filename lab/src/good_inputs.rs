@@ -1,6 +1,7 @@
 //! `cargo lab good-inputs`.
 
 mod made;
+mod words;
 
 use anyhow::Context;
 use made::Made;
@@ -34,6 +35,12 @@ pub struct Args {
     /// Factor on one sample of each made-up input, which `look` then has to name
     #[arg(long, value_name = "FACTOR", conflicts_with = "made")]
     plant: Option<f64>,
+    /// Writes every word that `look` and `fit` say of FILES as CSV, and does nothing else
+    #[arg(long, value_name = "CSV", requires = "files", conflicts_with_all = ["made", "plant"])]
+    words: Option<PathBuf>,
+    /// Files and folders for `--words`
+    #[arg(value_name = "FILE", requires = "words")]
+    files: Vec<PathBuf>,
 }
 
 /// One in this many networks is looked at.
@@ -52,6 +59,9 @@ struct Count {
 /// Runs the command.
 pub fn run(args: &Args) -> anyhow::Result<()> {
     println!("processor: {}", srbf_core::Processor::this());
+    if let Some(output) = &args.words {
+        return words::write(output, &args.files);
+    }
     if let Some(factor) = args.plant {
         return planted(args, factor);
     }

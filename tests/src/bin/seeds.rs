@@ -186,6 +186,32 @@ fn tables(files: &mut Files) {
             format!("{},{f:.4},0.2,{f:.4},0.1", angles(i, o, phi))
         }),
     );
+    // Other shapes: names beside numbers, matrices, names of rows with words above and below them, cosines.
+    add(
+        "csv/pairs",
+        rows("log", &|i, o, phi, f| {
+            format!(
+                "[1] theta_i={:.3} theta_o={:.3} phi={:.3}, brdf={f:.4}",
+                i.to_degrees(),
+                o.to_degrees(),
+                phi.to_degrees()
+            )
+        }),
+    );
+    let matrix = "AOI: 10\ntheta_o\\phi_o;0;90;180\n10;0,1;0,2;0,3\n40;0,1;0,2;0,4\nAOI: 30\ntheta_o\\phi_o;0;90;180\n10;0,1;0,2;0,5\n";
+    add("csv/matrices", matrix.into());
+    let mut named = rows(
+        "incident,,outgoing,,\ntheta,phi,theta,phi,BRDF_s\ndeg,deg,deg,deg,1/sr\n---,---,---,---,---",
+        &|i, o, phi, f| format!("{},{f:.4} # x", angles(i, o, phi)),
+    );
+    named.extend(b"END\n(18 rows)\n");
+    add("csv/named", named);
+    add(
+        "csv/cosines",
+        rows("\"mu0\" \"mu\" \"dphi\" \"BRF\"", &|i, o, phi, f| {
+            format!("\"1\" {:.4} {:.4} {:.1} {f:.4}", i.cos(), o.cos(), phi.to_degrees())
+        }),
+    );
     add(
         "astm/rgb",
         rows(
