@@ -152,13 +152,13 @@ mod tests {
         let model = |name: &str| read(name.as_ref()).unwrap().content;
         for content in [
             model("model:lambert:albedo=0"),
-            model("model:ggx:alpha=0.3,f0=0"),
+            model("model:phong:diffuse=0,specular=0,exponent=50"),
             Content::Evaluable(Box::new(Dark)),
             Content::Samples(table),
         ] {
             let fit = fit_content(&content, &few, |_| {}).unwrap();
             let material = Material::from_bytes(fit.bytes.as_slice()).unwrap();
-            let mut mixture = srbf_core::Mixture::<4>::empty();
+            let mut mixture = srbf_core::Mixture::<16>::empty();
             material.prepare([-0.6, 0.0, 0.8], &mut mixture).unwrap();
             let value = mixture.evaluate([0.6, 0.0, 0.8]);
             assert!(value.x >= 0.0 && value.x < 1e-6, "{value}");

@@ -378,7 +378,10 @@ fn reciprocity_said(found: &Reciprocity, taken: Values) -> Finding {
         ),
         _ => {
             let percent = 100.0 * libm::expm1(apart);
-            plain(format!("{pairs} swapped pairs of samples differ by {percent:.0} % in the median"))
+            plain(match pairs {
+                1 => format!("one swapped pair of samples differs by {percent:.0} %"),
+                _ => format!("{pairs} swapped pairs of samples differ by {percent:.0} % in the median"),
+            })
         }
     }
 }

@@ -312,7 +312,7 @@ fn has_creases(found: &Appearance) -> bool {
     fit.coarse > (MORE_GRAIN * table.coarse).max(UNSEEN_GRAIN)
 }
 
-/// Whether to use a fit, and its visible errors. Where the data may not be what they were read as, that comes first.
+/// Whether to use a fit, and its visible errors. A doubt about the data comes first.
 fn sentence(found: &Appearance, report: &Report) -> String {
     let fitted = sentence_of_fit(found, report);
     let Some(look) = &report.look else { return fitted };
@@ -320,8 +320,9 @@ fn sentence(found: &Appearance, report: &Report) -> String {
     let is_saturated = look.findings.iter().any(|f| f.is_off && f.option == Some("--saturated leave-out"));
     let is_bright = look.units.as_ref().is_some_and(|units| units.most > MOST);
     let (advice, doubt) = match () {
+        // Lobes are held to less light than such data reflect, so that errors say nothing.
         () if is_off(Topic::Units) && is_bright => {
-            ("do not use it", "the values seem to be in other units than 1/sr")
+            return "do not use it: the values seem to be in other units than 1/sr".into();
         }
         () if is_off(Topic::Reciprocity) => ("do not use it", "the values seem to be off by a cosine"),
         () if is_saturated => ("use it with care", "the highlight of the samples may be cut off"),
@@ -330,10 +331,10 @@ fn sentence(found: &Appearance, report: &Report) -> String {
     };
     let (found, rest) = fitted.split_once(": ").unwrap_or(("", &fitted));
     let advice = if found.starts_with("do not use it") && advice != "do not use it" { found } else { advice };
-    format!("{advice}: {doubt}; beside what was read, {rest}")
+    format!("{advice}: {doubt}; beside the data as read, {rest}")
 }
 
-/// The same of data that are what they were read as.
+/// The same without a doubt about the data.
 fn sentence_of_fit(found: &Appearance, report: &Report) -> String {
     let looks = if found.is_dark { sentence_by_highlight(report) } else { sentence_by_looks(found) };
     of_samples(with_gaps(looks, report), report)

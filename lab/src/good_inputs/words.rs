@@ -17,7 +17,8 @@ const OTHERS: [&str; 2] = ["py", "md"];
 /// A word about a file: its name, who says it, its mark and its text.
 type Word = [String; 4];
 
-/// Writes the words about files, and about all files of folders, as CSV: input, command, mark, words. The fits are short ones.
+/// Writes the words about files, and about all files of folders, as CSV: input, command, mark, words. The fits are short ones; criteria
+/// that are good are left out.
 pub fn write(output: &Path, inputs: &[PathBuf]) -> anyhow::Result<()> {
     let mut files = Vec::new();
     for input in inputs {
@@ -89,12 +90,14 @@ fn of(file: &Path) -> Vec<Word> {
                 words.extend(said(look));
             }
             match judged {
-                Ok(lines) => words.extend(lines.iter().map(|line| {
-                    let marks = ["note", "good", "fair", "off", "try"];
-                    let mark = marks.iter().find(|mark| line.starts_with(&format!("{mark} ")));
-                    let text = mark.map_or(line.as_str(), |mark| line[mark.len()..].trim_start());
-                    word("fit", mark.unwrap_or(&"verdict"), text)
-                })),
+                Ok(lines) => {
+                    words.extend(lines.iter().filter(|line| !line.starts_with("good ")).map(|line| {
+                        let marks = ["note", "fair", "off", "try"];
+                        let mark = marks.iter().find(|mark| line.starts_with(&format!("{mark} ")));
+                        let text = mark.map_or(line.as_str(), |mark| line[mark.len()..].trim_start());
+                        word("fit", mark.unwrap_or(&"verdict"), text)
+                    }))
+                }
                 Err(error) => words.extend(refused("fit", &error)),
             }
         }

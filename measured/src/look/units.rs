@@ -3,7 +3,7 @@
 use crate::complete::CompletionReport;
 use crate::numeric::median::median;
 use crate::row::{Row, polar};
-use crate::table::albedo_bounds::{LEAST, MOST, albedos, is_off};
+use crate::table::albedo_bounds::{LEAST, MOST, NOTHING, albedos, is_off};
 use std::f64::consts::PI;
 
 /// Share of the hemisphere without samples up to which an albedo is believed.
@@ -39,7 +39,7 @@ impl Units {
         let is_known = |theta: f64| completion.gaps.share_at(theta) < EMPTY || (theta < NORMAL && at_normal);
         let known = completion.albedo.iter().copied().filter(|(theta, _)| is_known(*theta));
         let albedos = albedos(known);
-        let most = albedos.iter().copied().reduce(f64::max)?;
+        let most = albedos.iter().copied().reduce(f64::max).filter(|most| *most > NOTHING)?;
         let albedo = median(albedos)?;
         let factors: &[(&str, f64)] = match most {
             a if a > MOST => &LARGER,

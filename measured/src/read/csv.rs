@@ -134,7 +134,7 @@ fn table(
         let (s, are) = if columns.ignored.len() == 1 { ("", "is") } else { ("s", "are") };
         reading.note(format!("column{s} {} {are} not read", names.join(", ")));
     }
-    // What the caller says of values holds.
+    // The caller knows better than a name.
     let beside =
         columns.beside.as_ref().filter(|_| conventions.values.is_none() && conventions.divide == 1.0);
     match columns.beside.as_ref().map(|beside| beside.0) {

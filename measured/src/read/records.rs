@@ -126,7 +126,7 @@ fn cells(column: &Value) -> Option<Vec<&Value>> {
 mod tests {
     use super::*;
 
-    /// Records of an array, a record a line, and columns are the same; what is null was not measured.
+    /// Records of an array, a record a line, and columns are the same; null was not measured.
     #[test]
     fn records_in_any_shape_are_rows_and_null_is_no_value() {
         let record = |o: f64, value: &str| {

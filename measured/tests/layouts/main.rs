@@ -13,7 +13,7 @@ use std::f64::consts::PI;
 use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
 
-/// What a reader has to make of a file.
+/// The right reading of a file.
 enum Right {
     /// Samples, rows left out, the factor that values have over the BRDF, and words that are said.
     Read(usize, usize, f64, &'static [&'static str]),

@@ -1,12 +1,8 @@
 //! Whether the values of a table can be a BRDF: other units show in the albedo.
 
 use crate::judge::report::ViewReport;
-use crate::table::BLACK;
-use crate::table::albedo_bounds::{LEAST, MOST, albedos, is_off};
+use crate::table::albedo_bounds::{LEAST, MOST, NOTHING, albedos, is_off};
 use std::f64::consts::PI;
-
-/// Albedo below which nothing was measured to be brighter than 0, which tells no unit.
-const NOTHING: f64 = 1.1 * PI * BLACK;
 
 /// A sentence if the largest albedo says that values are not f in 1/sr.
 pub(super) fn fault(views: &[ViewReport]) -> Option<String> {

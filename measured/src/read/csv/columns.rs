@@ -90,7 +90,7 @@ impl Columns {
         let known = roles.iter().filter(is_known).count();
         // A row of numbers has none of these.
         let is_line = |(role, name): (&Role, &String)| {
-            matches!(role, Role::At(_)) && name.contains(char::is_alphabetic)
+            matches!(role, Role::At(_)) && name.trim().parse::<f64>().is_err()
         };
         let lines = roles.iter().zip(names).filter(|both| is_line(*both)).count();
         let has_values = lines >= SERIES || roles.contains(&Role::Value);
