@@ -181,7 +181,7 @@ impl Appearance {
     pub fn new(brdf: &dyn Brdf, material: &Material<impl AsRef<[u8]> + Sync>) -> Result<Self, FitError> {
         let view = |theta: f64| TrackedView::new(material, theta, 0.0);
         let Pictures { pictures, exposures, of_noise, is_dark } = pictures(brdf, material)?;
-        let (mut skirts, mut grains, mut ghost, mut ring) = (Vec::new(), Vec::new(), (0.0, 0.0), [1.0; 2]);
+        let (mut skirts, mut grains, mut ghost, mut ring) = (Vec::new(), Vec::new(), (0.0, 0.0), [1.0f64; 2]);
         for degrees in VIEWS {
             let theta = degrees.to_radians();
             let (fitted, highlight) = (view(theta)?, BrightPlace::of(brdf, theta));
