@@ -183,16 +183,18 @@ impl Factors {
         demands.iter().map(square).sum()
     }
 
-    /// The smallest table of those sizes that is worth its bytes: one with more nodes has to leave less of the error at views that it has not
-    /// seen, the more nodes it has. Then the smoothness is chosen in the same way. Also every size that was `tried`, with the share of the
+    /// The smallest table of those sizes that is worth its bytes: one with more nodes has to leave less of the error in directions that it has
+    /// not seen, the more nodes it has. Then the smoothness is chosen in the same way. Also every size that was `tried`, with the share of the
     /// error that it leaves there.
     pub fn worthwhile(
         tried: &[Size],
         is_small_enough: impl Fn(Size) -> bool,
         demands: &[Demand],
     ) -> Option<(Self, Vec<(Size, f64)>)> {
-        let (left_out, kept): (Vec<Demand>, Vec<Demand>) =
-            demands.iter().partition(|d| d.view % LEFT_OUT == 1);
+        let (mut left_out, mut kept) = (Vec::new(), Vec::new());
+        for (number, demand) in demands.iter().enumerate() {
+            if number % LEFT_OUT == 1 { &mut left_out } else { &mut kept }.push(*demand);
+        }
         let cost = |size: Size, smoothness: f64| Self::fit(size, smoothness, &kept).cost(&left_out);
         let costs: Vec<f64> = tried.par_iter().map(|size| cost(*size, SMOOTH)).collect();
         let mut best: Option<(f64, Size)> = None;

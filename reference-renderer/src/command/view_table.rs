@@ -162,7 +162,7 @@ pub fn print_whole(report: &Report, reciprocity: &Reciprocity, material: Option<
     if !report.factor_sizes.is_empty() {
         let sizes = report.factor_sizes.iter().map(|(bytes, left)| format!("{bytes}: {left:.2}"));
         println!(
-            "bytes with each table of factors, and the share of the error off the peak that it leaves at views left out: {}",
+            "bytes with each table of factors, and the share of the error off the peak that it leaves in directions left out: {}",
             sizes.collect::<Vec<_>>().join(", ")
         );
     }
