@@ -5,7 +5,7 @@
 
 use super::conventions::{Conventions, Values};
 use super::intake::{Intake, Reading};
-use super::wavelengths::rgb_of_xyz;
+use super::spectrum::rgb_of_xyz;
 use crate::ReadError;
 use crate::file::decode::{decode, shortened};
 use crate::file::rows::numbers;

@@ -1,7 +1,6 @@
 //! Colours of spectra under three lights, and how far two of them are apart.
 
-use super::spectrum::{WEIGHTS, resampled};
-use super::wavelengths::rgb_of_xyz;
+use super::spectrum::{WEIGHTS, resampled, rgb_of_xyz};
 use crate::ReadError;
 use crate::file::spectrum::SpectralCurve;
 
@@ -52,7 +51,7 @@ pub fn under(light: &SpectralCurve) -> Result<[[f64; 3]; 31], ReadError> {
     let mut weights = INCANDESCENT;
     let mut bright = 0.0;
     for (weights, nm) in weights.iter_mut().zip(wavelengths()) {
-        // The mean over what a weight stands for: nearer wavelengths count more.
+        // The mean over the wavelengths of a weight: nearer ones count more.
         let near = |by: i32| (1.0 - 0.1 * f64::from(by.abs())) * light.at(nm + f64::from(by));
         let power = 0.1 * (-9..=9).map(near).sum::<f64>();
         weights.iter_mut().for_each(|weight| *weight *= power / incandescent(nm));
@@ -298,7 +297,7 @@ mod tests {
         assert!(under(&SpectralCurve::parse(b"700 0\n750 0\n900 2").unwrap()).is_err());
         // The matrix is the inverse of the other.
         assert!((0..3).all(|c| {
-            let there = super::super::wavelengths::rgb_of_xyz(xyz_of_rgb([0.2, 0.5, 0.9]));
+            let there = super::super::spectrum::rgb_of_xyz(xyz_of_rgb([0.2, 0.5, 0.9]));
             (there[c] - [0.2, 0.5, 0.9][c]).abs() < 1e-5
         }));
     }

@@ -7,7 +7,7 @@
 use super::conventions::Conventions;
 use super::intake::{Intake, Reading};
 use super::reason::Reason;
-use super::wavelengths::rgb_of_xyz;
+use super::spectrum::rgb_of_xyz;
 use super::words::Words;
 use crate::ReadError;
 use crate::file::decode::decode;

@@ -134,15 +134,6 @@ impl Wavelengths {
     }
 }
 
-/// Linear sRGB of CIE 1931 X, Y, Z under illuminant D65.
-pub(crate) fn rgb_of_xyz([x, y, z]: [f64; 3]) -> [f64; 3] {
-    [
-        3.2404542 * x - 1.5371385 * y - 0.4985314 * z,
-        -0.969266 * x + 1.8760108 * y + 0.041556 * z,
-        0.0556434 * x - 0.2040259 * y + 1.0572252 * z,
-    ]
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;

@@ -18,14 +18,14 @@ pub trait Carried: Copy {
         + Mul<f32, Output = Self::Value>
         + Div<f32, Output = Self::Value>
         + DivAssign<f32>;
-    /// What makes them of the colours of a surface.
+    /// Makes them of the colours of a surface.
     type Surface;
     /// No light.
     const BLACK: Self::Value;
-    /// What is found in the picture.
+    /// A fault, which is found in the picture.
     const NAN: Self::Value;
 
-    /// What makes them of the colours of a material.
+    /// The maker of them from the colours of a material.
     fn surface(&self, material: &Shader<'_>) -> Self::Surface;
 
     /// Those of a value or a weight of a surface, linear sRGB.

@@ -27,7 +27,7 @@ impl Illuminant {
     /// `D65`, `A` or `F11`; or reads a file of text, with a wavelength and a power on each line.
     ///
     /// # Errors
-    /// Names the file, the place in it, and what is expected.
+    /// Names the file, the place in it, and the expected form.
     pub fn load(name: &str) -> anyhow::Result<Self> {
         if let Some(light) = Cie::ALL.into_iter().find(|light| light.name().eq_ignore_ascii_case(name)) {
             return Ok(Self::new(light.name(), &light.weights(&illuminants::wavelengths())));

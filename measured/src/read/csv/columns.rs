@@ -1,6 +1,7 @@
 //! Which columns hold the two directions and the value.
 
-use super::super::wavelengths::{Wavelengths, rgb_of_xyz};
+use super::super::spectrum::rgb_of_xyz;
+use super::super::wavelengths::Wavelengths;
 use super::names::{Beside, Role, Side, Unit, beside, role, unit};
 use crate::ReadError;
 use crate::file::decode::shortened;
