@@ -9,7 +9,7 @@ mod problem;
 pub(crate) mod size;
 
 use crate::family::layout::{Layout, Views};
-use crate::family::tuning::factors::{LEFT_OUT, MORE_NODES, NODES, SMOOTH, SMOOTHER};
+use crate::family::tuning::factors::{LEFT_OUT, MORE_NODES, NODES, SMOOTH, SMOOTHER, SMOOTHER_GAIN};
 use crate::numeric::vector;
 use problem::Problem;
 use rayon::prelude::*;
@@ -216,7 +216,7 @@ impl Factors {
         let costs: Vec<f64> = smoother.par_iter().map(|smoothness| cost(size, *smoothness)).collect();
         let mut best = (least, SMOOTH);
         for tried in costs.into_iter().zip(smoother) {
-            best = if tried.0 < best.0 { tried } else { best };
+            best = if tried.0 < SMOOTHER_GAIN * best.0 { tried } else { best };
         }
         Some((Self::fit(size, best.1, demands), curve))
     }

@@ -89,6 +89,8 @@ pub(crate) mod factors {
     pub const SMOOTH: f64 = 3e-8;
     /// Multiples of that weight that are tried: a table of measurements may have rings of its own.
     pub const SMOOTHER: [f64; 3] = [10.0, 100.0, 1000.0];
+    /// Largest share of the cost that a smoother table may leave. A small gain is noise of the table, and the flake loses colour by it.
+    pub const SMOOTHER_GAIN: f64 = 0.9;
     /// Weight of the squared distance from 1: far from data a factor ends at 1.
     pub const PULL: f64 = 3e-8;
     /// Weight of the albedo beside the squared errors. With ten times as much, weights of chm_mint are 40, not 10.
@@ -96,7 +98,7 @@ pub(crate) mod factors {
     /// Turns of factors and lobes on one table. The steps of the solver are shared out.
     pub const TURNS: usize = 4;
     /// Largest share of the error that a larger table may leave, for every `NODES` nodes that it adds.
-    pub const MORE_NODES: f64 = 0.995;
+    pub const MORE_NODES: f64 = 0.999;
     /// Nodes to which that share belongs.
     pub const NODES: f64 = 130.0;
     /// Most sweeps of the coordinate descent, and the step of a node below which it ends.
