@@ -129,11 +129,11 @@ mod tests {
     /// Records of an array, a record a line, and columns are the same; null was not measured.
     #[test]
     fn records_in_any_shape_are_rows_and_null_is_no_value() {
-        let record = |o: f64, value: &str| {
+        let record = |o: &str, value: f64| {
             format!("{{\"theta_i\": 10, \"theta_o\": {o}, \"dphi\": 180, \"value\": {value}}}")
         };
-        let [a, b, c] = [record(20.0, "0.25"), record(40.0, "null"), record(60.0, "0.5")];
-        let columns = "{\"theta_i\": [10, 10, 10], \"theta_o\": [20, 40, 60], \"dphi\": [180, 180, 180], \"value\": [0.25, null, 0.5]}";
+        let [a, b, c] = [record("20", 0.25), record("null", 0.4), record("60", 0.5)];
+        let columns = "{\"theta_i\": [10, 10, 10], \"theta_o\": [20, null, 60], \"dphi\": [180, 180, 180], \"value\": [0.25, 0.4, 0.5]}";
         for text in [format!("[{a}, {b}, {c}]"), format!("{a}\n{b}\n{c}\n"), columns.to_owned()] {
             let intake = parse(text.as_bytes(), &Conventions::default()).unwrap();
             let found: Vec<(usize, f64)> = intake.rows.iter().map(|row| (row.line, row.rgb[1])).collect();
