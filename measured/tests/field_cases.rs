@@ -261,7 +261,7 @@ fn conventions_are_asked_or_said() {
     assert!(refused("rad.csv", &radians).contains("--angles radians"));
 
     let cosines = text(&grid()).replacen("theta_i,phi_i,theta_o,phi_o", "cos_i,phi_i,cos_o,phi_o", 1);
-    assert!(refused("cosines.csv", &cosines).contains("give the angles of both directions"));
+    assert!(refused("cosines.csv", &cosines).contains("is no cosine"));
 
     // A glossy surface whose azimuths count from the mirror direction.
     let mut samples = of_model("model:ggx:alpha=0.15,f0=0.9");

@@ -81,8 +81,8 @@ pub struct Report {
     pub evaluations: usize,
     /// Why the last stage of the fit ended, if that is known.
     pub ending: Option<Ending>,
-    /// Bytes of the material with each table of factors that was tried, and the share of the error away from the peak that it leaves in
-    /// directions that it has not seen; empty where none was tried.
+    /// Bytes of the material with each table of factors that was tried, and the share of the error off the peak that is left. The error is
+    /// that in directions that the table has not seen. Empty where none was tried.
     pub factor_sizes: Vec<(usize, f64)>,
     /// Errors of samples and views left out, if they were asked for.
     pub cross_validation: Option<CrossValidation>,

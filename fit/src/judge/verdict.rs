@@ -418,9 +418,9 @@ fn sentence_by_looks(found: &Appearance) -> String {
         );
     }
     let looks = match (visible, seen.is_empty()) {
-        (v, true) if v <= UNSEEN => format!("use it: {balls}, which hardly shows side by side"),
+        (v, true) if v <= UNSEEN => format!("use it: {balls}, which hardly shows"),
         (v, false) if v <= OF_USE => format!("use it with care: {balls}; the fit shows {}", seen.join(", ")),
-        (v, _) if v <= OF_USE => format!("use it with care: {balls}, which shows side by side"),
+        (v, _) if v <= OF_USE => format!("use it with care: {balls}, which shows"),
         _ => format!("do not use it: {balls}, as if of another material"),
     };
     if is_noisy { format!("{looks}; the table {noisy}") } else { looks }
