@@ -1,7 +1,7 @@
 #!/usr/bin/env bash
 # Pairs of balls, fit and table, under the five suns of a verdict: each table is fitted as usual, and without factors.
 # `bash lab/pairs.sh FOLDER TABLE...` writes a picture of each pair and `pairs.csv`, with the numbers and the sentence that is said.
-# docs/pairs.md has what a person said of twenty.
+# docs/judging.md has the words of a person about twenty.
 set -eu
 place=$1
 shift

@@ -24,7 +24,8 @@ impl Brdf for Ring {
 
 /// Fewer lobes, views and starts than by default: a few seconds in all.
 fn settings() -> Settings {
-    Settings { lobes: 6, views: Some(8), starts: 4, exchanges: 6, ..Settings::default() }
+    // Small tables of factors: larger ones do what pairs of lobes do.
+    Settings { lobes: 6, views: Some(8), starts: 4, exchanges: 6, bytes: 3600, ..Settings::default() }
 }
 
 fn model(name: &str) -> Content {
@@ -57,7 +58,7 @@ fn geometric_mean(errors: &[[f64; 2]]) -> f64 {
 
 #[test]
 fn errors_are_as_stated() {
-    let stated = [1.249, 0.946, 3.201];
+    let stated = [1.627, 1.128, 3.295];
     let models = models();
     for ((name, _), found) in models.iter().zip(WITH_ALL.iter()) {
         println!("{name}: measure {:.3} %, relative L2 {:.3} %", found[0], found[1]);

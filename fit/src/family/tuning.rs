@@ -80,7 +80,7 @@ pub(crate) mod factors {
         Size::signed([24, 16, 7]),
         Size::signed([32, 16, 7]),
     ];
-    /// One of so many directions is left out where size and smoothness are chosen. With whole views left out, large tables lack data, and the
+    /// Of this number of directions, one is left out where size and smoothness are chosen. With whole views left out, large tables lack data, and the
     /// choice ends too small: malachite at 24x9x5, with twice the error.
     pub const LEFT_OUT: usize = 3;
     /// Largest factor.

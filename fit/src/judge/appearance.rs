@@ -11,8 +11,8 @@
 //! * *Skirt*: from 1.5 to 15 degrees from the middle of the highlight, which is where the table is brightest.
 //! * *Ghosts*: light of the fit beyond that, where the table is darker all round: the visible difference, under a sun there, from the
 //!   brightest that the table has within 4 degrees.
-//! * *Grain*: how far something is from its own mean over a cone of 3 degrees, away from the peak. Of the table it is noise; what the fit
-//!   has more of it shows as lines and corners.
+//! * *Grain*: how far something is from its own mean over a cone of 3 degrees, away from the peak. Of the table it is noise; grain that the fit
+//!   has beyond that shows as lines and corners.
 //! * *Bite*: near the normal the highlight of a fit may be brighter on one side than on the other: the largest over the least ratio to the
 //!   table, by the azimuth round the mirror direction.
 //! * *Ring*: how much the fit's mean round the highlight rises with the angle from its middle, where the table's does not.
@@ -162,7 +162,7 @@ fn cone(axis: [f64; 3]) -> impl Iterator<Item = [f64; 3]> {
     })
 }
 
-/// The mean of what is times the cosine over a cone, times the cosine of its axis.
+/// The mean over a cone of values that have the cosine in them, times the cosine of its axis.
 fn cone_mean(f_cos: impl Fn([f64; 3]) -> [f64; 3], wi: [f64; 3]) -> [f64; 3] {
     let mut sum = [0.0; 3];
     for mut d in cone(wi) {

@@ -31,6 +31,6 @@ impl Size {
 pub(crate) enum Asked {
     /// This one.
     Given(Size),
-    /// The one that is worth its bytes, in a material of at most so many.
+    /// The one that is worth its bytes, in a material of at most this number.
     Within(usize),
 }
