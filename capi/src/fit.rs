@@ -12,16 +12,13 @@ use crate::status::{
     srbf_status,
 };
 use crate::streams::{Inputs, srbf_vectors};
-use core::error::Error;
 use core::ffi::{c_char, c_void};
-use core::fmt::Write;
 use srbf_fit::read::Content;
 use srbf_fit::table::Brdf;
 use srbf_fit::table::{Scattered, Table};
-use srbf_fit::{FactorNodes, FitError, Settings, fit_content, in_threads, write_atomically};
+use srbf_fit::{FactorNodes, FitError, Settings, fit_content, in_threads, with_reasons, write_atomically};
 use std::boxed::Box;
 use std::path::Path;
-use std::string::{String, ToString};
 use std::vec::Vec;
 
 /// In place of a number of a fit: it is chosen by what turns out best.
@@ -278,16 +275,4 @@ impl From<FitError> for Failure {
             error => Self::new(status, with_reasons(&error)),
         }
     }
-}
-
-/// An error and its cause: the name of a file, and why the system refuses it.
-fn with_reasons(error: &dyn Error) -> String {
-    let mut text = error.to_string();
-    let mut source = error.source();
-    while let Some(reason) = source {
-        // A text takes whatever is written to it.
-        let _ = write!(text, ": {reason}");
-        source = reason.source();
-    }
-    text
 }

@@ -19,6 +19,8 @@ pub use judge::report::Fit;
 #[doc(hidden)]
 pub use settings::range;
 pub use settings::{FactorNodes, Settings};
+#[doc(hidden)]
+pub use srbf_measured::with_reasons;
 pub use srbf_measured::{FitError, ReadError};
 pub use srbf_measured::{Outputs, check_output, write_atomically};
 pub use srbf_measured::{analytic, complete, export, look, read, table};

@@ -3,9 +3,21 @@
 //! Names of files and words from files stand in them as they are; the texts show them through [`printable`].
 
 use srbf_core::printable;
+use std::error::Error as Any;
 use std::io;
 use std::path::{Path, PathBuf};
 use thiserror::Error;
+
+/// An error and its reasons, such as the name of a file, and why the system refuses it.
+#[doc(hidden)]
+pub fn with_reasons(error: &dyn Any) -> String {
+    let (mut text, mut source) = (error.to_string(), error.source());
+    while let Some(reason) = source {
+        text += &format!(": {reason}");
+        source = reason.source();
+    }
+    text
+}
 
 /// A fault in the content of a measured file, with the place.
 #[derive(Debug, Error, PartialEq)]

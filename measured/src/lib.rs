@@ -22,6 +22,8 @@ pub mod table;
 mod threads;
 mod write;
 
+#[doc(hidden)]
+pub use error::with_reasons;
 pub use error::{FitError, ReadError};
 pub use read::{check_memory, read_at_most, read_if};
 pub use threads::in_threads;

@@ -6,6 +6,7 @@ use srbf_measured::complete::complete;
 use srbf_measured::look::{Look, Topic};
 use srbf_measured::read::{Content, Conventions, Mirror, Reason, Source, Values, read, read_with};
 use srbf_measured::table::Brdf;
+use srbf_measured::with_reasons;
 use std::path::{Path, PathBuf};
 
 /// One sample: angles of both directions in degrees, and f.
@@ -81,22 +82,15 @@ impl Drop for File {
 
 fn read_text(name: &str, text: &str) -> Source {
     let file = File::new(name, text.as_bytes());
-    read(&file.0).unwrap_or_else(|error| panic!("{name}: {}", chain(&error)))
+    read(&file.0).unwrap_or_else(|error| panic!("{name}: {}", with_reasons(&error)))
 }
 
 fn refused(name: &str, text: &str) -> String {
     let file = File::new(name, text.as_bytes());
     match read(&file.0) {
         Ok(_) => panic!("{name} is read"),
-        Err(error) => chain(&error),
+        Err(error) => with_reasons(&error),
     }
-}
-
-fn chain(error: &dyn std::error::Error) -> String {
-    std::iter::successors(Some(error), |error| error.source())
-        .map(|e| e.to_string())
-        .collect::<Vec<_>>()
-        .join(": ")
 }
 
 /// The findings about a file, completed.
@@ -383,7 +377,7 @@ fn files_of_other_programs_are_read_as_they_stand() {
         ("field/retro_3m_yellow.dat", "ALTA", 7200..7312, 1..100),
         ("field/lidar_905nm.xompt", "ASAM OpenMATERIAL", 700..725, 180..190),
     ] {
-        let source = read(&data(file)).unwrap_or_else(|error| panic!("{file}: {}", chain(&error)));
+        let source = read(&data(file)).unwrap_or_else(|error| panic!("{file}: {}", with_reasons(&error)));
         let intake = source.intake.as_ref().unwrap();
         println!("{file}: {} rows; {}", intake.rows.len(), intake.left_out_text());
         println!("  {:?}", intake.notes);

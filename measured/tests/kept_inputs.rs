@@ -1,21 +1,20 @@
 //! Inputs that people sent or that were made from the layouts of public files, each with its right values: the folders `field-cases` and
 //! `field-cases/more` beside the data folder, which no repository holds.
 
+mod words;
+
 use srbf_measured::complete::{Completion, complete};
 use srbf_measured::look::Look;
 use srbf_measured::read::{Content, Conventions, Intake, Mirror, Source, Values, read, read_with};
 use srbf_measured::table::Brdf;
+use srbf_measured::with_reasons;
 use std::path::{Path, PathBuf};
+use words::lacking;
 
 fn folder() -> PathBuf {
     let data = PathBuf::from(std::env::var_os("SRBF_DATA_DIR").expect("SRBF_DATA_DIR names the data folder"));
     let places = [data.join("field-cases"), data.join("..").join("field-cases")];
     places.into_iter().find(|place| place.is_dir()).expect("field-cases is in the data folder, or beside it")
-}
-
-fn chain(error: &dyn std::error::Error) -> String {
-    let all = std::iter::successors(Some(error), |error| error.source());
-    all.map(|e| e.to_string()).collect::<Vec<_>>().join(": ")
 }
 
 /// Cosine of half a degree, within which a sample is at a place.
@@ -143,16 +142,13 @@ const FIRST: &[(&str, Right)] = &[
 
 fn completed(source: &Source) -> Completion {
     let Content::Samples(table) = &source.content else { panic!("samples") };
-    complete(table).unwrap_or_else(|error| panic!("{}: {}", source.name, chain(&error)))
+    complete(table).unwrap_or_else(|error| panic!("{}: {}", source.name, with_reasons(&error)))
 }
 
 /// Everything that is said about a source.
 fn said(source: &Source, completion: &Completion) -> String {
     let look = Look::new(source.intake.as_ref().unwrap(), Some(&completion.report));
-    let one = |f: &srbf_measured::look::Finding| {
-        format!("{} {} ({})", if f.is_off { "check" } else { "note" }, f.text, f.option.unwrap_or(""))
-    };
-    look.findings.iter().map(one).collect::<Vec<_>>().join("\n")
+    words::said(&look)
 }
 
 /// The faults of one input.
@@ -160,16 +156,11 @@ fn faults(path: &Path, right: &Right) -> Vec<String> {
     let mut faults = Vec::new();
     match (read(path), right) {
         (Err(error), Refused(words)) => {
-            let text = chain(&error);
+            let text = with_reasons(&error);
             println!("  refused: {text}");
-            faults.extend(
-                words
-                    .iter()
-                    .filter(|word| !text.contains(**word))
-                    .map(|word| format!("no `{word}` in {text}")),
-            );
+            faults.extend(lacking(words, &text));
         }
-        (Err(error), Read(..)) => faults.push(format!("refused: {}", chain(&error))),
+        (Err(error), Read(..)) => faults.push(format!("refused: {}", with_reasons(&error))),
         (Ok(_), Refused(_)) => faults.push("is read".into()),
         (Ok(source), Read(rows, left_out, values, has, has_not)) => {
             let intake = source.intake.as_ref().unwrap();
@@ -190,8 +181,7 @@ fn faults(path: &Path, right: &Right) -> Vec<String> {
                     faults.push(format!("f {found} at ({i}, {o}; {turn}), not {f}"));
                 }
             }
-            faults
-                .extend(has.iter().filter(|word| !text.contains(**word)).map(|word| format!("no `{word}`")));
+            faults.extend(lacking(has, &text));
             faults.extend(
                 has_not.iter().filter(|word| text.contains(**word)).map(|word| format!("`{word}` is said")),
             );

@@ -6,9 +6,8 @@ use super::wavelengths::Wavelengths;
 use super::{Source, sha256};
 use crate::analytic::{self, Given};
 use crate::file::spectrum::SpectralCurve;
-use crate::{FitError, ReadError};
+use crate::{FitError, ReadError, with_reasons};
 use srbf_core::{Primaries, SpectralMap};
-use std::error::Error;
 use std::path::{Path, PathBuf};
 
 /// A spectrum that is a colour begins and ends here or beyond, nm.
@@ -52,7 +51,7 @@ pub fn read(text: &str) -> Result<Source, FitError> {
                     Ok(nm.map(|nm| known.map_or(0.0, |(_, curve)| curve.at(nm))))
                 }
             });
-            let brdf = brdf.map_err(|error| ReadError::Content(chain(&error)))?.brdf;
+            let brdf = brdf.map_err(|error| ReadError::Content(with_reasons(&error)))?.brdf;
             Ok(pairs.iter().map(|[wi, wo]| brdf.evaluate(*wi, *wo)).collect())
         });
         found.map_err(fault)?
@@ -65,7 +64,7 @@ pub fn read(text: &str) -> Result<Source, FitError> {
 /// Reads the spectrum of a reflectance.
 fn curve(path: &Path) -> Result<SpectralCurve, ReadError> {
     let fault = |text: &str| ReadError::Content(format!("{}: {text}", path.display()));
-    let curve = SpectralCurve::read(path).map_err(|error| ReadError::Content(chain(&error)))?;
+    let curve = SpectralCurve::read(path).map_err(|error| ReadError::Content(with_reasons(&error)))?;
     if curve.largest() > 1.0 {
         return Err(fault("values of a reflectance, 0 to 1, are expected"));
     }
@@ -82,17 +81,6 @@ fn curve(path: &Path) -> Result<SpectralCurve, ReadError> {
 fn smooth(rgb: [f64; 3], nm: [f64; 3]) -> [f64; 3] {
     let columns = nm.map(|nm| SpectralMap::FIXED.column_at(nm as f32));
     Primaries::from_columns(columns).of(rgb.map(|v| v as f32)).map(f64::from)
-}
-
-/// An error and its reasons.
-fn chain(error: &dyn Error) -> String {
-    let mut text = error.to_string();
-    let mut source = error.source();
-    while let Some(error) = source {
-        text += &format!(": {error}");
-        source = error.source();
-    }
-    text
 }
 
 #[cfg(test)]
@@ -137,9 +125,13 @@ mod tests {
         {
             let path = file("odd.csv", text);
             let error = read(&format!("lambert:albedo={}", path.display())).err().unwrap();
-            assert!(chain(&error).contains(word) && chain(&error).contains("odd.csv"), "{}", chain(&error));
+            assert!(
+                with_reasons(&error).contains(word) && with_reasons(&error).contains("odd.csv"),
+                "{}",
+                with_reasons(&error)
+            );
         }
-        let error = chain(&read("lambert:albedo=no.csv").err().unwrap());
+        let error = with_reasons(&read("lambert:albedo=no.csv").err().unwrap());
         assert!(error.contains("no.csv") && error.contains("spectrum"), "{error}");
     }
 }

@@ -5,13 +5,17 @@
 
 mod first;
 mod later;
+#[path = "../words/mod.rs"]
+mod words;
 
 use srbf_measured::complete::complete;
 use srbf_measured::look::Look;
 use srbf_measured::read::{Content, read};
+use srbf_measured::with_reasons;
 use std::f64::consts::PI;
 use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
+use words::{lacking, said};
 
 /// The right reading of a file.
 enum Right {
@@ -105,35 +109,26 @@ fn in_plane(head: &str, line: impl Fn(f64, f64, f64) -> String) -> Vec<u8> {
     (head.to_owned() + &all.collect::<String>()).into_bytes()
 }
 
-fn chain(error: &dyn std::error::Error) -> String {
-    let all = std::iter::successors(Some(error), |error| error.source());
-    all.map(|e| e.to_string()).collect::<Vec<_>>().join(": ")
-}
-
 /// The faults of one file.
 fn faults(path: &Path, right: &Right) -> Vec<String> {
     let mut faults = Vec::new();
     match (read(path), right) {
         (Err(error), Refused(words)) => {
-            let text = chain(&error);
+            let text = with_reasons(&error);
             println!("  refused: {text}");
-            faults
-                .extend(words.iter().filter(|w| !text.contains(**w)).map(|w| format!("no `{w}` in {text}")));
+            faults.extend(lacking(words, &text));
         }
-        (Err(error), Read(..)) => faults.push(format!("refused: {}", chain(&error))),
+        (Err(error), Read(..)) => faults.push(format!("refused: {}", with_reasons(&error))),
         (Ok(source), right) => {
             let (Content::Samples(table), Some(intake)) = (&source.content, &source.intake) else {
                 return vec!["no samples".into()];
             };
             let completion = match complete(table) {
                 Ok(completion) => completion,
-                Err(error) => return vec![format!("not completed: {}", chain(&error))],
+                Err(error) => return vec![format!("not completed: {}", with_reasons(&error))],
             };
             let look = Look::new(intake, Some(&completion.report));
-            let one = |f: &srbf_measured::look::Finding| {
-                format!("{} {} ({})", if f.is_off { "check" } else { "note" }, f.text, f.option.unwrap_or(""))
-            };
-            let text = look.findings.iter().map(one).collect::<Vec<_>>().join("\n  ");
+            let text = said(&look);
             println!("  {} rows, {}\n  {text}", intake.rows.len(), intake.left_out_text());
             let (rows, left_out, factor, words) = match right {
                 Read(rows, left_out, factor, words) => (*rows, *left_out, *factor, *words),
@@ -142,7 +137,7 @@ fn faults(path: &Path, right: &Right) -> Vec<String> {
             if (intake.rows.len(), intake.left_out_count()) != (rows, left_out) {
                 faults.push(format!("{} rows, {}", intake.rows.len(), intake.left_out_text()));
             }
-            faults.extend(words.iter().filter(|w| !text.contains(**w)).map(|w| format!("no `{w}` is said")));
+            faults.extend(lacking(words, &text));
             let right = |wi, wo| plastic(wi, wo, DIFFUSE[1]) * factor;
             let mut wrong = intake.rows.clone();
             wrong.retain(|row| (row.rgb[1] / right(row.wi, row.wo) - 1.0).abs() > 0.01);
