@@ -181,8 +181,7 @@ async function downloads(browser, page) {
     for (const [ending, bytes, numbers] of [["bsdf", of.bsdf, (file) => field(file, "rgb")], ["binary", of.binary, (file) => doubles(file)]]) {
         command("convert", preset, join(taken, `own.${ending}`));
         const own = readFileSync(join(taken, `own.${ending}`));
-        // That of the command has spectra too, of 4 MB a wavelength.
-        expectThat(numbers(own).length === numbers(bytes).length, `.${ending} has as many numbers as that of srbf convert`);
+        expectThat(own.length === bytes.length, `.${ending} has the size of that of srbf convert`);
         const [a, b] = [numbers(bytes), numbers(own)];
         let [difference, all] = [0, 0];
         b.forEach((value, n) => { difference += (a[n] - value) ** 2; all += value ** 2; });

@@ -21,12 +21,12 @@ use std::path::{Path, PathBuf};
 /// MERL file has not measured stay marked so.
 ///
 /// .bsdf (RGL): f cos at 59 outgoing directions by 128 x 128 half vectors, in RGB; comes back within 0.5 % for the same model.
-/// Samples that are spectra have them there too: a linear map from colours, at most 64 wavelengths; 4 MB each.
+/// Samples that are spectra have them there too, and fits with --wavelengths: a linear map from colours, at most 64 wavelengths; 4 MB each.
 /// Mitsuba's `measured` reads colours in its RGB variants, spectra in its spectral ones, and draws by f cos itself: the relative variance is .002 up to 75 degrees, and .06 at 85.
 ///
 /// .csv (ours, see docs/csv.md) and .astm (Cornell, three channels): samples. Those of a file of samples stay as they are; of all else,
-/// 16 outgoing directions by some 1300 incident ones. At the samples nothing is lost; between them nothing is said. Samples, models and
-/// fits with spectra become a .csv of one column for each wavelength; .astm has their colours.
+/// 16 outgoing directions by some 1300 incident ones. At the samples nothing is lost; between them nothing is said. Samples and models
+/// with spectra, and such fits with --wavelengths, become a .csv of one column for each wavelength; .astm has their colours.
 ///
 /// Not possible: .brdf (Cornell) holds spectra, which a colour does not tell; .srbf is a fit, by `srbf fit`; anisotropic surfaces.
 /// Samples become .binary or .bsdf by what `srbf fit` completes them to. After .binary and .bsdf the file is read again, and how far it is off
@@ -91,7 +91,9 @@ fn source(input: &Path, conventions: &Conventions) -> anyhow::Result<Source> {
         return Ok(read_with(input, conventions)?);
     }
     let StoredMaterial { name, material } = StoredMaterial::load(&input.to_string_lossy())?;
-    let map = material.spectral_map().map(|map| Spectra::of_map(map, conventions.wavelengths));
+    // A wavelength takes 4 MB of a .bsdf, which RGB variants of Mitsuba do not open then.
+    let map = material.spectral_map().filter(|_| conventions.wavelengths.is_some());
+    let map = map.map(|map| Spectra::of_map(map, conventions.wavelengths));
     let spectra = map.transpose().with_context(|| shown(input))?;
     Ok(Source::evaluable(Box::new(export::Lobes(material)), name, String::new()).with_spectra(spectra))
 }

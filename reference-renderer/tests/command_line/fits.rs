@@ -258,7 +258,7 @@ fn a_single_wavelength_is_named_wherever_it_is_shown() {
     names(&fit.into_iter().chain(quick).collect::<Vec<_>>());
     names(&["inspect", "lidar.srbf"]);
     names(&["render", "--material", "lidar.srbf", "--size", "8x8", "--spp", "1", "-o", "lidar.exr"]);
-    names(&["convert", "lidar.srbf", "lidar.csv"]);
+    names(&["convert", "lidar.srbf", "lidar.csv", "--wavelengths", "905"]);
     for (file, word) in [
         ("lidar.json", "one wavelength, 905 nm"),
         ("lidar.html", "one wavelength, 905 nm"),
@@ -285,7 +285,7 @@ fn spectra_are_written_by_wavelength() {
         let text = std::fs::read_to_string(place.join(file)).unwrap();
         text.lines().nth(1).unwrap().to_owned()
     };
-    let said = text(&["convert", "garnet_red.srbf", "a.csv"]);
+    let said = text(&["convert", "garnet_red.srbf", "a.csv", "--wavelengths", "400-700"]);
     assert!(said.contains("31 wavelengths from 400 to 700 nm, by the colours"), "{said}");
     assert!(head("a.csv").ends_with(",400nm,410nm,420nm,430nm,440nm,450nm,460nm,470nm,480nm,490nm,500nm,510nm,520nm,530nm,540nm,550nm,560nm,570nm,580nm,590nm,600nm,610nm,620nm,630nm,640nm,650nm,660nm,670nm,680nm,690nm,700nm"));
     text(&["convert", "garnet_red.srbf", "b.csv", "--wavelengths", "450,650"]);
