@@ -53,6 +53,7 @@ pub const TARGETS: &[Target] = &[
     target("neural", tables::neural),
     target("product", environment::product),
     target("rgl", tables::rgl),
+    target("utia", tables::utia),
 ];
 
 /// Runs a target as a fuzzer does: at a SIMD level that the bytes choose, of those that this processor has.

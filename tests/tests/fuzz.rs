@@ -44,7 +44,7 @@ fn damaged_inputs() {
     for target in TARGETS {
         let kept = attack::kept(target.name);
         let mut random = Random(1);
-        let share = if target.name == "merl" { 1000 } else { 8 };
+        let share = if ["merl", "utia"].contains(&target.name) { 1000 } else { 8 };
         let executions = executions() / share;
         let mut accepted = 0;
         for execution in 0..executions {

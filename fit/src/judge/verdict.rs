@@ -337,7 +337,7 @@ fn sentence(found: &Appearance, report: &Report) -> String {
 /// The same without a doubt about the data.
 fn sentence_of_fit(found: &Appearance, report: &Report) -> String {
     let looks = if found.is_dark { sentence_by_highlight(report) } else { sentence_by_looks(found) };
-    of_samples(with_gaps(looks, report), report)
+    with_gaps(of_samples(looks, report), report)
 }
 
 /// The sentence of a fit of samples says how far samples are off that are left out of their completion.
@@ -348,7 +348,9 @@ fn of_samples(sentence: String, report: &Report) -> String {
     let (advice, rest) = sentence.split_once(": ").unwrap_or(("", &sentence));
     let advice = if advice == "use it" && error > MOST_BETWEEN { "use it with care" } else { advice };
     let rest = rest.replace("from the table's", "from those of the completed samples");
-    format!("{advice}: samples that are left out are {:.0} % off; {rest}", 100.0 * error)
+    let percent =
+        if error < 0.01 { "less than 1 %".into() } else { format!("{:.0} %", 100.0 * error) };
+    format!("{advice}: samples that are left out are {percent} off; {rest}")
 }
 
 /// The sentence of a fit of something that was not measured everywhere says so first.
@@ -363,7 +365,9 @@ fn with_gaps(looks: String, report: &Report) -> String {
         "do not use it" => advice,
         _ => "use it with care",
     };
-    format!("{advice}: {}; beside the table with its gaps filled, {rest}", gaps.words())
+    // The sentence of samples has the words of its own that the gaps are filled.
+    let filled = if report.completion.is_some() { "" } else { "beside the table with its gaps filled, " };
+    format!("{advice}: {}; {filled}{rest}", gaps.words())
 }
 
 /// The same of a table that is black but for its highlight.

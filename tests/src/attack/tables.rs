@@ -5,7 +5,7 @@ use crate::inputs::Random;
 use srbf_fit::ReadError;
 use srbf_fit::analytic;
 use srbf_fit::export;
-use srbf_fit::read::{self, Content, Conventions, Intake, astm, cornell, csv, merl, neural, rgl};
+use srbf_fit::read::{self, Content, Conventions, Intake, astm, cornell, csv, merl, neural, rgl, utia};
 use srbf_fit::table::{Brdf, Scattered, Table};
 use std::path::Path;
 
@@ -94,6 +94,19 @@ pub fn merl(bytes: &[u8]) -> bool {
     let Ok(merl) = merl::parse(&file) else { return false };
     evaluate(&merl, &mut random(bytes), 20);
     true
+}
+
+/// A UTIA file whose planes repeat the bytes, of which the first says how many are left out at its end.
+pub fn utia(bytes: &[u8]) -> bool {
+    assert!(utia::parse(bytes, &Conventions::default()).is_err(), "no input is as long as a file");
+    let Some((&short, body)) = bytes.split_first() else { return false };
+    // An execution takes a twentieth of a second.
+    if body.len() < 8 || short % 16 > 1 {
+        return false;
+    }
+    let mut file: Vec<u8> = body.iter().copied().cycle().take(3 * 288 * 288 * 8).collect();
+    file.truncate(file.len() - usize::from(short));
+    scattered(utia::parse(&file, &Conventions::default()))
 }
 
 /// Networks.

@@ -84,6 +84,9 @@ fn files() -> Files {
     ] {
         add(&format!("merl/{name}"), &[vec![0], doubles(values)].concat());
     }
+    for (name, values) in [("even", &[0.1, 0.2, 0.3, 4.0, 5.0][..]), ("marks", &[-999.0, 0.5, 0.0])] {
+        add(&format!("utia/{name}"), &[vec![0], doubles(values)].concat());
+    }
     files
 }
 

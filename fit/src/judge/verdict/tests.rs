@@ -189,6 +189,7 @@ fn the_sentence_is_about_samples_where_there_are_some() {
         said(0.1)
     );
     assert!(said(0.23).starts_with("use it with care: samples that are left out are 23 % off"));
+    assert!(said(1e-4).starts_with("use it: samples that are left out are less than 1 % off"));
 }
 
 #[test]
