@@ -4,7 +4,7 @@ use super::convention_args::ConventionArgs;
 use anyhow::bail;
 use srbf_fit::complete::complete;
 use srbf_fit::export;
-use srbf_fit::look::Look;
+use srbf_fit::look::{Finding, Look, Topic};
 use srbf_fit::read::{Content, Conventions, Source, csv, read_with};
 use srbf_fit::table::Table;
 use std::path::{Path, PathBuf};
@@ -85,8 +85,11 @@ pub fn looked_at(source: Source) -> anyhow::Result<Look> {
 /// Prints the line of a table.
 fn print_line(source: Source) -> anyhow::Result<()> {
     let name = source.name.clone();
+    let is_sampled = matches!(source.content, Content::Evaluable(_));
     let look = looked_at(source)?;
-    let off: Vec<&str> = look.findings.iter().filter(|f| f.is_off).map(|f| f.text.as_str()).collect();
+    // A table's own values are all kept, and near a narrow highlight one of a few samples may look wrong.
+    let is_of_file = |f: &&Finding| f.is_off && !(is_sampled && f.topic == Topic::Outliers);
+    let off: Vec<&str> = look.findings.iter().filter(is_of_file).map(|f| f.text.as_str()).collect();
     let left_out: usize = look.left_out.iter().map(|left| left.count).sum();
     let off = if off.is_empty() { "-".to_owned() } else { off.join(" | ") };
     println!("{name:<44} {:>7} {:>6} {left_out:>8}  {off}", look.samples, look.views.len());
@@ -124,7 +127,7 @@ fn look_at(args: &Args, file: &Path) -> anyhow::Result<()> {
 pub fn print(look: &Look, all: bool, verdict: &[String]) {
     println!("data  {}", look.summary());
     for finding in &look.findings {
-        use srbf_fit::look::Topic::{Isotropy, Reciprocity, Stated};
+        use Topic::{Isotropy, Reciprocity, Stated};
         if !all && !finding.is_off && matches!(finding.topic, Isotropy | Reciprocity | Stated) {
             continue;
         }
