@@ -65,6 +65,7 @@ pub fn fit_source(
     let mut fit = fit_content(&source.content, settings, progress)?;
     let intake = source.intake.as_ref();
     fit.report.look = intake.map(|intake| Look::new(intake, fit.report.completion.as_ref()));
+    fit.report.mark_contradicted();
     if let Some(spectra) = source.spectra() {
         fit.bytes = with_map(&fit.bytes, &spectra.to_map()?)?;
         let material = Material::from_bytes(fit.bytes.as_slice())?;

@@ -151,8 +151,12 @@ fn measured(only: &str) -> anyhow::Result<()> {
     ] {
         for file in files(&data.join(folder), endings)? {
             let name = file.file_name().unwrap_or_default().to_string_lossy().into_owned();
-            if name.contains(only) {
-                sources.push((name, read(&file)?));
+            if !name.contains(only) {
+                continue;
+            }
+            match read(&file) {
+                Ok(source) => sources.push((name, source)),
+                Err(error) => println!("{name:<40} refused: {error}"),
             }
         }
     }

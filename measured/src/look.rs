@@ -11,8 +11,9 @@ use crate::complete::CompletionReport;
 pub use crate::isotropy::Isotropy;
 use crate::numeric::median::median;
 use crate::read::{Intake, LeftOut, Values};
-pub use crate::reciprocity::Reciprocity;
+use crate::reciprocity::contradicted;
 use crate::reciprocity::pairs::{Compared, Places};
+pub use crate::reciprocity::{Contradicted, Reciprocity};
 use crate::row::{Row, polar, thin};
 pub use highlight::Highlight;
 use serde_json::{Value, json};
@@ -121,6 +122,8 @@ pub struct Look {
     pub isotropy: Option<Isotropy>,
     /// What swapped samples say; `None` where there are none.
     pub reciprocity: Option<Reciprocity>,
+    /// Angles at which samples contradict those with light and viewer exchanged, worst first.
+    pub contradicted: Vec<Contradicted>,
     /// Median of the logarithm of left over right of the plane of incidence, and how many pairs there are.
     pub sides: Option<(f64, usize)>,
     /// The highlight in the samples.
@@ -142,13 +145,18 @@ impl Look {
         let places = Places::of(&few);
         let mut views: Vec<f64> = intake.views().iter().map(|view| view.0.to_degrees()).collect();
         views.sort_by(f64::total_cmp);
+        let reciprocity = Reciprocity::of(&places.swapped());
+        // Where a cosine is left, all angles do.
+        let is_of_cosine = reciprocity.is_some_and(|found| found.cosine.is_some());
+        let contradicted = if is_of_cosine { Vec::new() } else { contradicted(&few, intake.is_light_fixed) };
         let mut look = Self {
             format: intake.format,
             samples: intake.rows.len(),
             views,
             is_light_fixed: intake.is_light_fixed,
             isotropy: intake.isotropy,
-            reciprocity: Reciprocity::of(&places.swapped()),
+            reciprocity,
+            contradicted,
             sides: sides(&places.sides()),
             highlight: Highlight::of(&intake.rows, intake.is_light_fixed, completion.map(|c| c.width)),
             // Noise about 0 tells no unit.
@@ -221,6 +229,9 @@ impl Look {
         }
         if let Some(reciprocity) = &self.reciprocity {
             found.push(reciprocity_said(reciprocity, intake.values));
+        }
+        if !self.contradicted.is_empty() {
+            found.push(off(Topic::Reciprocity, self.contradicted_said()));
         }
         if let Some((middle, pairs)) = self.sides {
             let text = format!(
@@ -307,6 +318,9 @@ impl Look {
             "swapped": self.reciprocity.map(|r| json!({
                 "pairs": r.pairs, "median_log_ratio": r.apart, "values_are": r.cosine.map(values),
             })),
+            "contradicted": self.contradicted.iter().map(|c| json!({
+                "theta_degrees": c.theta.to_degrees(), "ratio": c.ratio, "pairs": c.pairs,
+            })).collect::<Vec<_>>(),
             "left_over_right": self.sides.map(|s| json!({"median_log_ratio": s.0, "pairs": s.1})),
             "highlight": {
                 "views": self.highlight.views,
@@ -343,6 +357,21 @@ fn stated_said((degrees, stated): (f64, f64), completion: Option<&CompletionRepo
     };
     let text = format!("the file states a reflectance of {stated:.3} at {degrees} degrees{beside}");
     Finding { topic: Topic::Stated, is_off, text, option: None, lines: Vec::new() }
+}
+
+impl Look {
+    /// Angles whose samples contradict those with light and viewer exchanged.
+    fn contradicted_said(&self) -> String {
+        let list = |numbers: Vec<String>| numbers.join(", ");
+        let held = if self.is_light_fixed { "light" } else { "viewer" };
+        let angles = list(self.contradicted.iter().map(|c| format!("{:.0}", c.theta.to_degrees())).collect());
+        let ratios = list(self.contradicted.iter().map(|c| format!("{:.2}", c.ratio)).collect());
+        let pairs: usize = self.contradicted.iter().map(|c| c.pairs).sum();
+        format!(
+            "with the {held} at {angles} degrees samples are {ratios} times those with light and viewer exchanged, in the median of {pairs} \
+             pairs: no surface is so, and no fit can have both"
+        )
+    }
 }
 
 /// What swapped samples say, of values that were taken for what `taken` says.

@@ -38,6 +38,9 @@ pub struct ViewReport {
     pub measure: f64,
     /// Whether every sample of the table is 0.
     pub is_black: bool,
+    /// Whether its samples contradict those with light and viewer exchanged, see [`Contradicted`](crate::look::Contradicted): no fit is
+    /// judged by these.
+    pub is_contradicted: bool,
     /// Albedo of the lobes: closed form where the method has one, otherwise the sum over the samples.
     pub albedo: [f64; 3],
     /// Albedo of the table, by its own quadrature if that of the lobes is a closed form, otherwise the sum over the samples too.
@@ -98,6 +101,18 @@ pub struct Report {
     pub spectra: Option<SpectralReport>,
 }
 
+/// Angles of a view and of contradicted samples that are one, radians.
+const SAME_ANGLE: f64 = 0.087;
+
+impl Report {
+    /// Marks the views of samples that contradict those with light and viewer exchanged.
+    pub(crate) fn mark_contradicted(&mut self) {
+        let Some(look) = &self.look else { return };
+        let is_so = |theta: f64| look.contradicted.iter().any(|c| (c.theta - theta).abs() < SAME_ANGLE);
+        self.views.iter_mut().for_each(|view| view.is_contradicted = is_so(view.theta));
+    }
+}
+
 /// Added to an albedo before errors are divided by it: errors of nearly black surfaces do not matter.
 const BLACK: f64 = 1e-3;
 
@@ -122,6 +137,7 @@ impl ViewReport {
         json!({
             "theta_degrees": self.theta.to_degrees(),
             "azimuth_degrees": self.azimuth.to_degrees(),
+            "is_contradicted": self.is_contradicted,
             "relative_l2": (!self.is_black).then_some(self.error),
             "measure": (!self.is_black).then_some(self.measure),
             "is_black": self.is_black,
@@ -174,6 +190,7 @@ impl ViewReport {
             error: relative(square),
             measure: libm::sqrt(relative(square).powi(2) + away(&values, view)),
             is_black: square.1 <= 0.0,
+            is_contradicted: false,
             albedo,
             data_albedo,
             is_albedo_cut: fitted.albedo().is_some() && view.albedo != view.uncut_albedo,

@@ -228,7 +228,7 @@ pub struct Summary {
 
 /// The views that are judged: those that lobes can be compared with.
 fn judged(views: &[ViewReport]) -> impl Iterator<Item = &ViewReport> {
-    views.iter().filter(|v| !v.is_black && !v.is_too_dark())
+    views.iter().filter(|v| !(v.is_black || v.is_contradicted || v.is_too_dark()))
 }
 
 impl Summary {
@@ -318,13 +318,15 @@ fn sentence(found: &Appearance, report: &Report) -> String {
     let Some(look) = &report.look else { return fitted };
     let is_off = |topic: Topic| look.findings.iter().any(|f| f.is_off && f.topic == topic);
     let is_saturated = look.findings.iter().any(|f| f.is_off && f.option == Some("--saturated leave-out"));
+    let is_off_by_cosine =
+        look.findings.iter().any(|f| f.is_off && f.topic == Topic::Reciprocity && f.option.is_some());
     let is_bright = look.units.as_ref().is_some_and(|units| units.most > MOST);
     let (advice, doubt) = match () {
         // Lobes are held to less light than such data reflect, so that errors say nothing.
         () if is_off(Topic::Units) && is_bright => {
             return "do not use it: the values seem to be in other units than 1/sr".into();
         }
-        () if is_off(Topic::Reciprocity) => ("do not use it", "the values seem to be off by a cosine"),
+        () if is_off_by_cosine => ("do not use it", "the values seem to be off by a cosine"),
         () if is_saturated => ("use it with care", "the highlight of the samples may be cut off"),
         () if is_off(Topic::Units) => ("use it with care", "the samples are as dark as hardly any surface"),
         () => return fitted,
@@ -348,8 +350,7 @@ fn of_samples(sentence: String, report: &Report) -> String {
     let (advice, rest) = sentence.split_once(": ").unwrap_or(("", &sentence));
     let advice = if advice == "use it" && error > MOST_BETWEEN { "use it with care" } else { advice };
     let rest = rest.replace("from the table's", "from those of the completed samples");
-    let percent =
-        if error < 0.01 { "less than 1 %".into() } else { format!("{:.0} %", 100.0 * error) };
+    let percent = if error < 0.01 { "less than 1 %".into() } else { format!("{:.0} %", 100.0 * error) };
     format!("{advice}: samples that are left out are {percent} off; {rest}")
 }
 

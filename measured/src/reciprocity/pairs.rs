@@ -21,21 +21,30 @@ struct Placed {
 pub(crate) struct Places {
     placed: Vec<Placed>,
     cells: HashMap<[i32; 3], Vec<usize>>,
+    /// Angles that are as close as this are one, radians.
+    close: f64,
 }
 
-/// Two samples that should agree: logarithm of the ratio of the first to the second, and the cosines of the first, incident and outgoing.
+/// Two samples that should agree: logarithm of the ratio of the first to the second, the angles of both, incident and outgoing,
+/// radians, and the cosines of the first.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Compared {
     pub log_ratio: f64,
+    pub angles: [[f64; 2]; 2],
     pub cosines: [f64; 2],
 }
 
-fn cell(angles: [f64; 3]) -> [i32; 3] {
-    angles.map(|angle| libm::floor(angle / CLOSE) as i32)
+fn cell(angles: [f64; 3], close: f64) -> [i32; 3] {
+    angles.map(|angle| libm::floor(angle / close) as i32)
 }
 
 impl Places {
     pub fn of(rows: &[Row]) -> Self {
+        Self::within(CLOSE, rows)
+    }
+
+    /// The same with angles that are one within `close`, radians.
+    pub fn within(close: f64, rows: &[Row]) -> Self {
         let place = |row: &Row| {
             let ([i, o], turn) = row.angles();
             Placed { angles: [i, o, turn.unwrap_or(0.0)], level: row.rgb.iter().sum::<f64>() / 3.0 }
@@ -43,19 +52,19 @@ impl Places {
         let placed: Vec<Placed> = rows.iter().map(place).collect();
         let mut cells: HashMap<[i32; 3], Vec<usize>> = HashMap::new();
         for (n, p) in placed.iter().enumerate().filter(|(_, p)| p.level > 0.0) {
-            cells.entry(cell(p.angles)).or_default().push(n);
+            cells.entry(cell(p.angles, close)).or_default().push(n);
         }
-        Self { placed, cells }
+        Self { placed, cells, close }
     }
 
     /// The samples whose angles are close to these, a few at most.
     fn near(&self, angles: [f64; 3]) -> Vec<&Placed> {
-        let at = cell(angles);
+        let at = cell(angles, self.close);
         let mut found = Vec::new();
         for step in 0..27 {
             let around = [at[0] + step % 3 - 1, at[1] + step / 3 % 3 - 1, at[2] + step / 9 - 1];
             let Some(members) = self.cells.get(&around) else { continue };
-            let close = |p: &&Placed| (0..3).all(|k| (p.angles[k] - angles[k]).abs() < CLOSE);
+            let close = |p: &&Placed| (0..3).all(|k| (p.angles[k] - angles[k]).abs() < self.close);
             found.extend(members.iter().map(|&n| &self.placed[n]).filter(close));
             if found.len() >= MOST_OTHERS {
                 found.truncate(MOST_OTHERS);
@@ -71,6 +80,7 @@ impl Places {
             let Some(angles) = other(p.angles) else { continue };
             found.extend(self.near(angles).into_iter().map(|q| Compared {
                 log_ratio: libm::log(p.level / q.level),
+                angles: [p, q].map(|sample| [sample.angles[0], sample.angles[1]]),
                 cosines: [libm::cos(p.angles[0]), libm::cos(p.angles[1])],
             }));
         }
@@ -79,7 +89,8 @@ impl Places {
 
     /// Each sample with those of the same directions swapped, once.
     pub fn swapped(&self) -> Vec<Compared> {
-        let both = |turn: f64| move |[i, o, _]: [f64; 3]| (i < o - CLOSE).then_some([o, i, turn]);
+        let close = self.close;
+        let both = |turn: f64| move |[i, o, _]: [f64; 3]| (i < o - close).then_some([o, i, turn]);
         // A swap changes the sign of the difference of azimuths; the other side of the plane of incidence is the same surface.
         let with_sign = |sign: f64| self.compared(|a| both(sign * a[2])(a));
         let mut found = with_sign(1.0);
@@ -89,6 +100,7 @@ impl Places {
 
     /// Each sample on one side of the plane of incidence with those on the other.
     pub fn sides(&self) -> Vec<Compared> {
-        self.compared(|[i, o, turn]| (turn > 4.0 * CLOSE && turn < PI - 4.0 * CLOSE).then_some([i, o, -turn]))
+        let least = 4.0 * self.close;
+        self.compared(|[i, o, turn]| (turn > least && turn < PI - least).then_some([i, o, -turn]))
     }
 }

@@ -226,6 +226,7 @@ mod tests {
             error: 1.2345,
             measure: 1.0,
             is_black: false,
+            is_contradicted: false,
             albedo: [0.123; 3],
             data_albedo: [0.123; 3],
             is_albedo_cut: false,

@@ -12,6 +12,7 @@ fn view(degrees: f64) -> ViewReport {
         error: 0.03,
         measure: 0.035,
         is_black: false,
+        is_contradicted: false,
         albedo: [0.5, 0.4, 0.3],
         data_albedo: [0.5, 0.4, 0.3],
         is_albedo_cut: false,
@@ -84,6 +85,7 @@ fn what_is_black_or_too_dark_or_not_known_is_not_judged() {
     let mut report = report();
     let odd = ViewReport { largest_weight: f64::INFINITY, ..view(85.0) };
     report.views.push(ViewReport { is_black: true, ..odd.clone() });
+    report.views.push(ViewReport { is_contradicted: true, ..odd.clone() });
     report.views.push(ViewReport { error: 0.9, data_albedo: [0.0; 3], ..odd.clone() });
     report.views.push(ViewReport { largest_weight: f64::NAN, ..odd.clone() });
     assert!(verdict(&report).off.is_empty());
