@@ -156,7 +156,7 @@ fn measured(only: &str) -> anyhow::Result<()> {
             }
             match read(&file) {
                 Ok(source) => sources.push((name, source)),
-                Err(error) => println!("{name:<40} refused: {error}"),
+                Err(error) => println!("{name:<40} refused: {:#}", anyhow::Error::from(error)),
             }
         }
     }
