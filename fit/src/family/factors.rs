@@ -9,7 +9,9 @@ mod problem;
 pub(crate) mod size;
 
 use crate::family::layout::{Layout, Views};
-use crate::family::tuning::factors::{LEFT_OUT, MORE_NODES, NODES, SMOOTH, SMOOTHER, SMOOTHER_GAIN};
+use crate::family::tuning::factors::{
+    LEFT_OUT, MORE_NODES, NEARLY_STILL, NODES, SMOOTH, SMOOTHER, SMOOTHER_GAIN, STILL,
+};
 use crate::numeric::vector;
 use problem::Problem;
 use rayon::prelude::*;
@@ -160,7 +162,12 @@ impl Factors {
 
     /// The best factors for the demands, rounded as they are stored.
     pub fn fit(size: Size, smoothness: f64, demands: &[Demand]) -> Self {
-        let solved = Problem::new(size, smoothness, demands).solve();
+        Self::fit_until(STILL, size, smoothness, demands)
+    }
+
+    /// The same, solved until no node moves further than `still`.
+    fn fit_until(still: f64, size: Size, smoothness: f64, demands: &[Demand]) -> Self {
+        let solved = Problem::new(size, smoothness, demands).solve(still);
         let nodes = (0..solved.len()).map(|n| solved[own(size, n)]).collect();
         let mut factors = Self { size, smoothness, nodes };
         factors.round();
@@ -188,14 +195,18 @@ impl Factors {
     /// error that it leaves there.
     pub fn worthwhile(
         tried: &[Size],
-        is_small_enough: impl Fn(Size) -> bool,
+        is_small_enough: impl Fn(Size) -> bool + Sync,
         demands: &[Demand],
     ) -> Option<(Self, Vec<(Size, f64)>)> {
         let (mut left_out, mut kept) = (Vec::new(), Vec::new());
         for (number, demand) in demands.iter().enumerate() {
             if number % LEFT_OUT == 1 { &mut left_out } else { &mut kept }.push(*demand);
         }
-        let cost = |size: Size, smoothness: f64| Self::fit(size, smoothness, &kept).cost(&left_out);
+        // Tables that are too large are in the curve alone, and take most of the time.
+        let cost = |size: Size, smoothness: f64| {
+            let still = if is_small_enough(size) { STILL } else { NEARLY_STILL };
+            Self::fit_until(still, size, smoothness, &kept).cost(&left_out)
+        };
         let costs: Vec<f64> = tried.par_iter().map(|size| cost(*size, SMOOTH)).collect();
         let mut best: Option<(f64, Size)> = None;
         for (cost, size) in costs.iter().zip(tried).filter(|tried| is_small_enough(*tried.1)) {
@@ -306,7 +317,7 @@ mod tests {
         demands.iter_mut().for_each(|d| d.by_energy = [1e-3; 3]);
         let size = Size::reciprocal([8, 4, 2]);
         let problem = Problem::new(size, SMOOTH, &demands);
-        let solved = problem.solve();
+        let solved = problem.solve(STILL);
         let factors = Factors {
             size,
             smoothness: SMOOTH,

@@ -104,6 +104,8 @@ pub(crate) mod factors {
     /// Most sweeps of the coordinate descent, and the step of a node below which it ends.
     pub const SWEEPS: usize = 400;
     pub const STILL: f64 = 1e-4;
+    /// The same of a table that has too many bytes to be chosen: its error is stated, and nothing else of it is used.
+    pub const NEARLY_STILL: f64 = 1e-2;
     /// Directions of a lobe over which factors are averaged in the search.
     pub const AVERAGED: usize = 200;
     /// The same for stored albedos. The fewer directions of the search leave them 2 % off at grazing angles.

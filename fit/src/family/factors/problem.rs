@@ -5,7 +5,7 @@
 //! sums are kept as they are, and the solver carries them along.
 
 use super::{CORNERS, Demand, NodeShares, Size, cell, corners, node, place};
-use crate::family::tuning::factors::{LARGEST, PULL, STILL, SWEEPS};
+use crate::family::tuning::factors::{LARGEST, PULL, SWEEPS};
 use rayon::prelude::*;
 
 /// Pairs of corners, the second not before the first.
@@ -136,13 +136,13 @@ impl Problem {
         }
     }
 
-    /// Coordinate descent from 1 within the bounds, channel by channel.
-    pub fn solve(&self) -> Vec<[f64; 3]> {
-        let channels: Vec<Vec<f64>> = (0..3).into_par_iter().map(|c| self.solve_channel(c)).collect();
+    /// Coordinate descent from 1 within the bounds, channel by channel. It ends where no node moves further than `still`.
+    pub fn solve(&self, still: f64) -> Vec<[f64; 3]> {
+        let channels: Vec<Vec<f64>> = (0..3).into_par_iter().map(|c| self.solve_channel(c, still)).collect();
         (0..self.rows.len()).map(|n| [0, 1, 2].map(|c| channels[c][n])).collect()
     }
 
-    fn solve_channel(&self, c: usize) -> Vec<f64> {
+    fn solve_channel(&self, c: usize, still: f64) -> Vec<f64> {
         let (count, views) = (self.rows.len(), self.albedos.len());
         // The derivatives of all albedos by a node stand side by side.
         let mut slopes = vec![0.0; count * views];
@@ -176,7 +176,7 @@ impl Problem {
                     errors.iter_mut().zip(of_node(n)).for_each(|(error, slope)| *error += slope * moved);
                 }
             }
-            if farthest < STILL {
+            if farthest < still {
                 break;
             }
         }
