@@ -5,6 +5,8 @@ use crate::judge::method::Method;
 use crate::judge::norm::{Norm, relative, squares, values};
 use crate::table::owners;
 use crate::table::{Scattered, Table, View};
+use rayon::prelude::*;
+use std::sync::atomic::{AtomicUsize, Ordering};
 
 /// Errors of views whose samples were, in part or all, left out of the fit.
 #[derive(Clone, Debug, PartialEq)]
@@ -59,11 +61,16 @@ fn folds(view: &View) -> Vec<usize> {
 /// Fits a table without each fifth of its directions, and without each inner view, and judges the fits there.
 ///
 /// The fifth is every fifth direction in the order of the file. Weights and albedo are made again from the rest. A table that is
-/// black has no relative error: such folds are left out of a view's mean, and a view without any other has NaN.
+/// black has no relative error: such folds are left out of a view's mean, and a view without any other has NaN. The fits run side by side;
+/// `progress` is called with the share of them that has ended, 0 to 1.
 ///
 /// # Errors
 /// As [`Method::fit`]; [`FitError::Table`] for a view with fewer than five directions.
-pub fn cross_validate(table: &Table, method: &dyn Method) -> Result<CrossValidation, FitError> {
+pub fn cross_validate(
+    table: &Table,
+    method: &dyn Method,
+    progress: impl Fn(f64) + Sync,
+) -> Result<CrossValidation, FitError> {
     let fold_of: Vec<Vec<usize>> = table.views.iter().map(folds).collect();
     if let Some((view, _)) = table.views.iter().zip(&fold_of).find(|(_, f)| !f.contains(&(FOLDS - 1))) {
         return Err(FitError::Table(format!(
@@ -71,39 +78,55 @@ pub fn cross_validate(table: &Table, method: &dyn Method) -> Result<CrossValidat
             view.theta.to_degrees(),
         )));
     }
-    // Sum of squared relative errors of a view, and number of folds.
-    let mut squared = vec![(0.0, 0); table.views.len()];
-    for fold in 0..FOLDS {
-        let scattered = |(view, fold_of): (&View, &Vec<usize>)| -> (f64, Scattered) {
-            let kept = view.samples.iter().zip(fold_of).filter(|(_, f)| **f != fold);
-            (view.theta, kept.map(|(s, _)| (s.direction, s.rgb)).collect())
-        };
-        let rest = Table::from_scattered(table.views.iter().zip(&fold_of).map(scattered).collect())?;
-        let fitted = method.fit(&rest)?;
-        for (sum, (view, fold_of)) in squared.iter_mut().zip(table.views.iter().zip(&fold_of)) {
-            let gone = view.samples.iter().zip(fold_of).filter(|(_, f)| **f == fold);
-            let gone = View { samples: gone.map(|(s, _)| *s).collect(), ..*view };
-            let error = relative_or_nan(squares(
-                &values(fitted.view(view.theta)?.as_ref(), &gone),
-                &gone,
-                Norm::FCos,
-            ));
-            if !error.is_nan() {
-                *sum = (sum.0 + error * error, sum.1 + 1);
-            }
-        }
-    }
-    let mut left_out = Vec::new();
-    for gone in 1..table.views.len().saturating_sub(1) {
-        let mut rest = table.clone();
-        let view = rest.views.remove(gone);
-        let fitted = method.fit(&rest)?;
-        let error =
-            relative_or_nan(squares(&values(fitted.view(view.theta)?.as_ref(), &view), &view, Norm::FCos));
-        left_out.push((view.theta, error));
-    }
-    let folds = squared.into_iter().map(|(sum, count)| libm::sqrt(sum / f64::from(count)));
-    Ok(CrossValidation { folds: folds.collect(), left_out })
+    let inner = 1..table.views.len().saturating_sub(1);
+    let (done, count) = (AtomicUsize::new(0), FOLDS + inner.len());
+    let ended = |errors: Result<Vec<f64>, FitError>| {
+        progress((1 + done.fetch_add(1, Ordering::Relaxed)) as f64 / count as f64);
+        errors
+    };
+    // The views first: there are more of them, and no fit waits for another at the end.
+    let views = inner.clone().into_par_iter().map(|gone| ended(without_view(table, method, gone)));
+    let folds = (0..FOLDS).into_par_iter().map(|fold| ended(without_fold(table, method, &fold_of, fold)));
+    let errors = views.chain(folds).collect::<Result<Vec<_>, FitError>>()?;
+    let (of_views, of_folds) = errors.split_at(inner.len());
+    let left_out = inner.zip(of_views).map(|(gone, errors)| (table.views[gone].theta, errors[0]));
+    let mean = |view: usize| {
+        let known = of_folds.iter().map(|errors| errors[view]).filter(|error| !error.is_nan());
+        let (sum, count) = known.fold((0.0, 0), |sum, error| (sum.0 + error * error, sum.1 + 1));
+        libm::sqrt(sum / f64::from(count))
+    };
+    Ok(CrossValidation { folds: (0..table.views.len()).map(mean).collect(), left_out: left_out.collect() })
+}
+
+/// The error of each view over the directions of a fold, by a fit of the others.
+fn without_fold(
+    table: &Table,
+    method: &dyn Method,
+    fold_of: &[Vec<usize>],
+    fold: usize,
+) -> Result<Vec<f64>, FitError> {
+    let scattered = |(view, fold_of): (&View, &Vec<usize>)| -> (f64, Scattered) {
+        let kept = view.samples.iter().zip(fold_of).filter(|(_, f)| **f != fold);
+        (view.theta, kept.map(|(s, _)| (s.direction, s.rgb)).collect())
+    };
+    let rest = Table::from_scattered(table.views.iter().zip(fold_of).map(scattered).collect())?;
+    let fitted = method.fit(&rest)?;
+    let error = |(view, fold_of): (&View, &Vec<usize>)| {
+        let gone = view.samples.iter().zip(fold_of).filter(|(_, f)| **f == fold);
+        let gone = View { samples: gone.map(|(s, _)| *s).collect(), ..*view };
+        let values = values(fitted.view(view.theta)?.as_ref(), &gone);
+        Ok(relative_or_nan(squares(&values, &gone, Norm::FCos)))
+    };
+    table.views.iter().zip(fold_of).map(error).collect()
+}
+
+/// The error of a view by a fit of the others.
+fn without_view(table: &Table, method: &dyn Method, gone: usize) -> Result<Vec<f64>, FitError> {
+    let mut rest = table.clone();
+    let view = rest.views.remove(gone);
+    let fitted = method.fit(&rest)?;
+    let values = values(fitted.view(view.theta)?.as_ref(), &view);
+    Ok(vec![relative_or_nan(squares(&values, &view, Norm::FCos))])
 }
 
 /// The relative error; NaN if the data are black.

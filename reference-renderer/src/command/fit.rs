@@ -18,6 +18,7 @@ pub use settings::SettingArgs;
 use srbf_core::Material;
 use srbf_fit::complete::complete;
 use srbf_fit::judge::cross::{CrossValidation, cross_validate};
+use srbf_fit::judge::method::Method;
 use srbf_fit::judge::report::Input;
 use srbf_fit::read::{Content, Source};
 use srbf_fit::table::Symmetry;
@@ -167,7 +168,10 @@ fn left_out(
         _ if !is_asked_for => Ok(None),
         Content::Samples(table) => {
             let table = complete(table)?.without_outliers(table)?;
-            Ok(Some(method.with(settings, |method| cross_validate(&table, method))??))
+            let progress = Progress::of_shares(&format!("left out of {}", shown(file)));
+            let left_out =
+                |method: &dyn Method| cross_validate(&table, method, |share| progress.set_share(share));
+            Ok(Some(method.with(settings, left_out)??))
         }
         Content::Evaluable(_) => bail!(
             "{}: --cross-validate is for samples; fits of a BRDF report held-out views anyway",
