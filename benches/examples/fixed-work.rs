@@ -1,7 +1,7 @@
 //! A fixed amount of work, for counting instructions: `.ci/checks/60-instructions` runs it under callgrind.
 //!
-//! `fixed-work LEVEL OPERATION`, operation `none` or a name of [`Operation`]: with `-round` behind it of 12 general round lobes, with
-//! `factored-` before it of the garnet red preset with a table of factors, alone of the preset.
+//! `fixed-work LEVEL OPERATION [TIMES]`, operation `none` or a name of [`Operation`]: with `-round` behind it of 12 general round lobes, with
+//! `factored-` before it of the garnet red preset with a table of factors, alone of the preset, with `packed-` of the preset in codes. It is done 4096 times, or as often as is said.
 
 use srbf_benches::work::{Operation, Subject, Work};
 use srbf_core::Level;
@@ -9,8 +9,13 @@ use std::process::ExitCode;
 
 fn main() -> ExitCode {
     let arguments: Vec<String> = std::env::args().skip(1).collect();
-    let [level, name] = &arguments[..] else {
-        eprintln!("usage: fixed-work LEVEL OPERATION");
+    let asked = match &arguments[..] {
+        [level, name] => Some((level, name, 4096)),
+        [level, name, times] => times.parse().ok().map(|times| (level, name, times)),
+        _ => None,
+    };
+    let Some((level, name, times)) = asked else {
+        eprintln!("usage: fixed-work LEVEL OPERATION [TIMES]");
         return ExitCode::from(2);
     };
     let Some(level) = Level::from_name(level) else {
@@ -32,7 +37,7 @@ fn main() -> ExitCode {
         eprintln!("this machine lacks {}", level.name());
         return ExitCode::from(77);
     }
-    let mut work = Work::new(4096);
+    let mut work = Work::new(times);
     if let Some((operation, subject)) = operation {
         work.run(operation, subject);
     }

@@ -7,7 +7,7 @@
 
 use srbf_benches::ggx::Ggx;
 use srbf_benches::harness::{Table, arguments, least_of, levels_of};
-use srbf_benches::{Random, Triples, different_materials};
+use srbf_benches::{Random, Triples, different_materials, packed};
 use srbf_core::{Draws, Level, Material, Mixture, Request, Towards};
 use std::hint::black_box;
 use std::process::ExitCode;
@@ -23,14 +23,19 @@ fn main() -> ExitCode {
         Err(status) => return status,
     };
     let bytes = different_materials(COUNTS[COUNTS.len() - 1]);
-    let materials: Vec<Material<&[u8]>> =
-        bytes.iter().map(|bytes| Material::from_bytes(&bytes[..]).expect("a valid material")).collect();
+    let materials = of_bytes(&bytes);
+    let packed: Vec<Vec<u8>> = materials.iter().map(packed).collect();
+    let packed = of_bytes(&packed);
     for level in levels {
         level.set().expect("an available level");
-        report(level, &materials);
+        report(level, &materials, &packed);
     }
-    memory(&materials);
+    memory(&materials, &packed);
     ExitCode::SUCCESS
+}
+
+fn of_bytes(bytes: &[Vec<u8>]) -> Vec<Material<&[u8]>> {
+    bytes.iter().map(|bytes| Material::from_bytes(&bytes[..]).expect("a valid material")).collect()
 }
 
 /// The work on all hits.
@@ -45,11 +50,13 @@ enum Way {
     Sorted,
     SortedOneByOne,
     Batch,
+    AskedPacked,
+    BatchPacked,
     BatchOfOne,
     BatchOfEight,
 }
 
-const WAYS: [(Way, &str); 11] = [
+const WAYS: [(Way, &str); 13] = [
     (Way::Prepared, "mixture: prepared and asked"),
     (Way::Asked, "material asked"),
     (Way::Ggx, "GGX and diffuse, C"),
@@ -59,6 +66,8 @@ const WAYS: [(Way, &str); 11] = [
     (Way::SortedOneByOne, "sorted, material asked one by one"),
     (Way::Sorted, "sorted, batches of 256"),
     (Way::Batch, "not sorted, batches of 256"),
+    (Way::AskedPacked, "codes of 8 bits, asked"),
+    (Way::BatchPacked, "codes of 8 bits, not sorted, batches of 256"),
     (Way::BatchOfOne, "sorted, batches of 1"),
     (Way::BatchOfEight, "sorted, batches of 8"),
 ];
@@ -71,7 +80,7 @@ struct Work {
     ggx: Vec<Ggx>,
 }
 
-fn report(level: Level, materials: &[Material<&[u8]>]) {
+fn report(level: Level, materials: &[Material<&[u8]>], packed: &[Material<&[u8]>]) {
     let mut random = Random(5);
     let mut work = Work {
         wo: Triples::directions(HITS, 1),
@@ -92,9 +101,13 @@ fn report(level: Level, materials: &[Material<&[u8]>]) {
         let at_random: Vec<usize> =
             (0..HITS).map(|_| (random.uniform() * count as f32) as usize % count).collect();
         let sorted: Vec<usize> = (0..HITS).map(|i| at_random[i / RUN * RUN]).collect();
-        let each: Vec<&Material<&[u8]>> = at_random.iter().map(|&m| &materials[m]).collect();
+        let each: Vec<_> = at_random.iter().map(|&m| &materials[m]).collect();
+        let each_packed: Vec<_> = at_random.iter().map(|&m| &packed[m]).collect();
         times.push(least_of(ROUNDS, WAYS.len(), HITS, |way| {
-            work.run(WAYS[way].0, materials, &at_random, &sorted, &each);
+            let way = WAYS[way].0;
+            let is_packed = matches!(way, Way::AskedPacked | Way::BatchPacked);
+            let (materials, each) = if is_packed { (packed, &each_packed) } else { (materials, &each) };
+            work.run(way, materials, &at_random, &sorted, each);
         }));
     }
     let mut table = counted(&format!("{}, ns a hit; materials", level.name()));
@@ -129,7 +142,7 @@ impl Work {
                     sum += sample.map_or(0.0, |s| s.pdf) + pdf;
                 }
             }
-            Way::Asked => {
+            Way::Asked | Way::AskedPacked => {
                 for (i, &k) in at_random.iter().enumerate() {
                     let (sample, (_, pdf)) =
                         materials[k].sample_and_evaluate(wo.at(i), u.at(i).to_array(), wi.at(i));
@@ -180,7 +193,7 @@ impl Work {
                     materials[sorted[from]].ask(wo, request(wi, u, out)).expect("equal lengths");
                 }
             }
-            Way::Batch => {
+            Way::Batch | Way::BatchPacked => {
                 for from in (0..HITS).step_by(RUN) {
                     let range = from..from + RUN;
                     let [wo, wi, u] = [&*wo, wi, u].map(|t| t.slices().map(|s| &s[range.clone()]));
@@ -203,14 +216,15 @@ fn request<'a>(wi: [&'a [f32]; 3], u: [&'a [f32]; 3], out: [&'a mut [f32]; 11]) 
 }
 
 /// The memory of the materials, beside the tables of Dupuy and Jakob 2018 (RGL), whose isotropic ones in RGB are 659 kB each.
-fn memory(materials: &[Material<&[u8]>]) {
-    let bytes: usize = materials.iter().map(|m| m.bytes().len()).sum();
-    let one = bytes as f64 / materials.len() as f64;
+fn memory(materials: &[Material<&[u8]>], packed: &[Material<&[u8]>]) {
+    let mean =
+        |of: &[Material<&[u8]>]| of.iter().map(|m| m.bytes().len()).sum::<usize>() as f64 / of.len() as f64;
     let mut table = counted("memory, kB; materials");
     let mut row = |name: &str, one: f64| {
         table.row(name, COUNTS.map(|n| format!("{:.0}", one * n as f64 / 1000.0)));
     };
-    row("materials, the bytes of their files", one);
+    row("materials, the bytes of their files", mean(materials));
+    row("the same in codes of 8 bits", mean(packed));
     row("GGX, parameters", std::mem::size_of::<Ggx>() as f64);
     row("RGL tables", 659_000.0);
     table.print();

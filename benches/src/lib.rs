@@ -9,7 +9,8 @@ pub mod harness;
 pub mod work;
 
 use srbf_core::{
-    Domain, FactorTable, Groups, Level, Line, Lobe, Material, Mixture, PlaneLobe, Room, Vec3, View,
+    Domain, FactorTable, Groups, Level, Line, Lobe, Material, Mixture, PackOptions, PlaneLobe, Room, Vec3,
+    View,
 };
 use std::sync::OnceLock;
 
@@ -145,6 +146,20 @@ where
     let mut mixture = Mixture::empty();
     material.prepare(Vec3::new(-0.6, 0.4, 0.65).normalize(), &mut mixture).expect("a valid direction");
     mixture
+}
+
+/// A material in codes of 8 bits, without its provenance.
+pub fn packed(material: &Material<impl AsRef<[u8]>>) -> Vec<u8> {
+    let options = PackOptions::default();
+    let mut bytes = vec![0; material.packed_len(options, "")];
+    material.pack(options, "", &mut bytes).expect("a material that can be packed");
+    bytes
+}
+
+/// The garnet red preset in codes of 8 bits, which is made once.
+pub fn packed_material() -> &'static Material {
+    static MATERIAL: OnceLock<Material> = OnceLock::new();
+    MATERIAL.get_or_init(|| Material::from_bytes(&*packed(garnet_red()).leak()).expect("a valid material"))
 }
 
 /// The garnet red preset with a table of 24 by 6 by 3 factors, which is made once.

@@ -1,7 +1,10 @@
 //! Operations by name, each on the same directions: `fixed-work` counts their instructions, `cycles` their time.
 
-use crate::{Triples, factored_material, garnet_mixture, garnet_red, general_mixture, mixture_at_50_degrees};
-use srbf_core::{Draws, LeaveOut, Material, Mixture, Towards, Vec3};
+use crate::{
+    Triples, factored_material, garnet_mixture, garnet_red, general_mixture, mixture_at_50_degrees,
+    packed_material,
+};
+use srbf_core::{Draws, LeaveOut, Material, Mixture, Request, Towards, Vec3};
 
 /// The work for every direction.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -36,11 +39,15 @@ pub enum Operation {
     EvaluatePairs,
     /// Density, every pair with a mixture of its own.
     PdfPairs,
+    /// A draw with density and weight, and value and density towards another direction: a hit, by one call.
+    Hit,
+    /// The same in a batch.
+    Hits,
 }
 
 impl Operation {
     /// Every operation with its name.
-    pub const ALL: [(&'static str, Self); 15] = [
+    pub const ALL: [(&'static str, Self); 17] = [
         ("evaluate", Self::Evaluate),
         ("pdf", Self::Pdf),
         ("sample", Self::Sample),
@@ -56,6 +63,8 @@ impl Operation {
         ("sample-pdf-pairs", Self::SamplePdfPairs),
         ("evaluate-pairs", Self::EvaluatePairs),
         ("pdf-pairs", Self::PdfPairs),
+        ("hit", Self::Hit),
+        ("hits", Self::Hits),
     ];
 
     /// Whether it is of a mixture that is there already.
@@ -74,12 +83,18 @@ pub enum Subject {
     Round,
     /// The preset with a table of factors.
     Factored,
+    /// The preset in codes of 8 bits, where the operation is of a material; else the preset.
+    Packed,
 }
 
 impl Subject {
     /// Each with what stands before and behind the name of an operation of it.
-    pub const ALL: [(Self, &'static str, &'static str); 3] =
-        [(Self::Preset, "", ""), (Self::Round, "", "-round"), (Self::Factored, "factored-", "")];
+    pub const ALL: [(Self, &'static str, &'static str); 4] = [
+        (Self::Preset, "", ""),
+        (Self::Round, "", "-round"),
+        (Self::Factored, "factored-", ""),
+        (Self::Packed, "packed-", ""),
+    ];
 }
 
 /// Operations, at one level, on a number of directions.
@@ -88,12 +103,13 @@ pub struct Work {
     directions: Triples,
     uniforms: Triples,
     incident: Triples,
-    out: [Vec<f32>; 7],
+    out: [Vec<f32>; 11],
     material: &'static Material,
     round: Mixture<'static, 64>,
     garnet: Mixture<'static, 64>,
     prepared: Mixture<'static, 16>,
     factored_material: &'static Material,
+    packed_material: &'static Material,
     factored: Mixture<'static, 64>,
 }
 
@@ -104,12 +120,13 @@ impl Work {
             directions: Triples::directions(n, 1),
             uniforms: Triples::uniforms(n, 2),
             incident: Triples::directions(n, 3),
-            out: [(); 7].map(|()| vec![0.0; n]),
+            out: [(); 11].map(|()| vec![0.0; n]),
             material: garnet_red(),
             round: general_mixture(12),
             garnet: garnet_mixture(),
             prepared: Mixture::empty(),
             factored_material: factored_material(),
+            packed_material: packed_material(),
             factored: mixture_at_50_degrees(factored_material()),
         }
     }
@@ -121,10 +138,11 @@ impl Work {
             Subject::Preset => (&self.garnet, self.material),
             Subject::Round => (&self.round, self.material),
             Subject::Factored => (&self.factored, self.factored_material),
+            Subject::Packed => (&self.garnet, self.packed_material),
         };
         let prepared = &mut self.prepared;
         let n = out[0].len();
-        let [x, y, z, pdf, red, green, blue] = out;
+        let [x, y, z, pdf, red, green, blue, r, g, b, density] = out;
         match operation {
             Operation::Evaluate => {
                 mixture
@@ -202,6 +220,23 @@ impl Work {
                         Towards { wi: incident.slices(), value: None, pdf: Some(pdf) }.into(),
                     )
                     .expect("equal lengths");
+            }
+            Operation::Hit => (0..n).for_each(|i| {
+                let u = uniforms.at(i).to_array();
+                let (sample, (_, towards)) =
+                    material.sample_and_evaluate(directions.at(i), u, incident.at(i));
+                pdf[i] = sample.map_or(0.0, |sample| sample.pdf) + towards;
+            }),
+            Operation::Hits => {
+                let draw = Draws {
+                    u: uniforms.slices(),
+                    direction: [x, y, z],
+                    pdf: Some(pdf),
+                    weight: Some([red, green, blue]),
+                };
+                let towards = Towards { wi: incident.slices(), value: Some([r, g, b]), pdf: Some(density) };
+                let request = Request { draw: Some(draw), evaluate: Some(towards) };
+                material.ask(directions.slices(), request).expect("equal lengths");
             }
         }
     }

@@ -26,6 +26,7 @@ pub(crate) mod routine;
 pub(crate) mod scalar;
 #[cfg(all(target_arch = "x86_64", target_feature = "sse2"))]
 mod sse2;
+pub(crate) mod two_rows;
 #[cfg(all(target_arch = "arm", target_abi = "eabihf"))]
 mod vfp;
 

@@ -6,17 +6,18 @@ use super::request::Request;
 use super::slices::Block;
 use crate::mixture::factors::Nodes;
 use crate::mixture::row::Group;
-use crate::mixture::rows::{drawn_density, weight_of};
+use crate::mixture::rows::{LEAST_DENSITY, drawn_density};
 use crate::simd::detect::Level;
 use crate::simd::lanes::{Lanes, Numbers, WIDEST};
 use crate::simd::routine::One;
-use glam::Vec3;
 
 /// Where the lobes of the hits of a block come from.
 pub(crate) trait LobeSource {
     /// Fills the numbers of the hits, whose outgoing directions the room has, or sets them; and tells their lobes, those of the last
     /// hit again behind it.
     fn fill(&mut self, room: &mut Room) -> [&[Group]; WIDEST];
+    /// Whether a hit has factors.
+    fn has_factors(&self) -> bool;
     /// The factors of a hit.
     fn factors(&self, hit: usize) -> Nodes<'_>;
 }
@@ -42,16 +43,15 @@ pub(crate) fn answer_block(
     let (draws, evaluates) = (request.draw.is_some(), request.evaluate.is_some());
     let groups = source.fill(room);
     level.run_vectors(Work { room, groups: &groups, draws, evaluates });
+    let has_factors = source.has_factors();
     let Room { wo, wi, direction, drawn, towards, hits, .. } = room;
     if let Some(draw) = &mut request.draw {
         if let Some(weight) = &mut draw.weight {
-            multiply(level, source, hits.count, wo, direction, drawn);
-            let Sums { value, pdf } = drawn;
-            for i in 0..WIDEST {
-                let colour = weight_of(Vec3::new(value[0][i], value[1][i], value[2][i]), pdf[i]);
-                [value[0][i], value[1][i], value[2][i]] = colour.to_array();
+            if has_factors {
+                multiply(level, source, hits.count, wo, direction, drawn);
             }
-            block.copy_out(value, weight);
+            weigh(drawn);
+            block.copy_out(&drawn.value, weight);
         }
         if let Some(pdf) = &mut draw.pdf {
             for (density, &power) in drawn.pdf.iter_mut().zip(&hits.power) {
@@ -68,8 +68,20 @@ pub(crate) fn answer_block(
             block.copy_out(&[towards.pdf], &mut [&mut **pdf]);
         }
         if let Some(value) = &mut evaluate.value {
-            multiply(level, source, hits.count, wo, wi, towards);
+            if has_factors {
+                multiply(level, source, hits.count, wo, wi, towards);
+            }
             block.copy_out(&towards.value, value);
+        }
+    }
+}
+
+/// Divides values by their densities, as [`weight_of`](crate::mixture::rows::weight_of) does: without a branch, for vectors.
+fn weigh(Sums { value, pdf }: &mut Sums) {
+    for channel in value {
+        for (value, &pdf) in channel.iter_mut().zip(&*pdf) {
+            let weight = *value / if pdf >= LEAST_DENSITY { pdf } else { 1.0 };
+            *value = if pdf >= LEAST_DENSITY { weight } else { 0.0 };
         }
     }
 }

@@ -3,6 +3,7 @@
 use super::one_lobe::{self, Between, LEAST_OFF_PLANE, OneLobe, OneRows};
 use crate::color::{self, LUMINANCE};
 use crate::material::borrowed::MaterialRef;
+use crate::material::codes::angles_passed;
 #[cfg(feature = "simd")]
 use crate::material::layout::f32_at;
 use crate::material::layout::{HEAD, Header, MAX_LOBES};
@@ -11,7 +12,8 @@ use crate::mixture::leave_out::LeaveOut;
 use crate::mixture::row;
 use crate::mixture::rows::AnyMixture;
 use crate::simd::elementary::{exp2, exp2_soon, sin_cos};
-use crate::simd::lanes::{Lanes, WIDEST_PAIR, dot3, splat3};
+use crate::simd::lanes::{Lanes, WIDEST, WIDEST_PAIR, dot3, halves, of_halves, splat3};
+use crate::simd::two_rows::{ROWS, TwoRows};
 use crate::squeeze::Squeeze;
 
 /// The bytes from `ahead` before an offset on, at least `need` of them: near either end of the file those of
@@ -30,35 +32,47 @@ macro_rules! from_offset {
 
 pub(crate) use from_offset;
 
-/// The [`Rows`] round a place; the copies as in `from_offset`.
+/// The [`Rows`] round a place; the copies as in `from_offset`. `$room`: where codes are decoded, two slices.
 macro_rules! rows_at {
-    ($L:ty, $material:expr, $place:expr, $copy_a:ident, $copy_b:ident) => {{
+    ($L:ty, $material:expr, $place:expr, $copy_a:ident, $copy_b:ident, $room:expr) => {{
         use $crate::kernel::between_views as rows_of;
+        use $crate::simd::two_rows::{Shape, TwoRows};
         let (material, place): ($crate::material::borrowed::MaterialRef<'_>, _) = ($material, $place);
         let header = material.header;
         let (count, mirrored) = (header.lobes, header.mirrored);
         // From as many numbers before the view as there are images, which lie so much before their own places.
         // The last vector reaches past the view, and at the last view past the file.
-        let vectors = (count + mirrored).next_multiple_of(<$L as $crate::simd::lanes::Lanes>::COUNT);
-        let (ahead, reach) = (4 * mirrored, 4 * (4 * count + 2 * mirrored + vectors));
+        let width = (count + mirrored).next_multiple_of(<$L as $crate::simd::lanes::Lanes>::COUNT);
+        let shape = Shape { ahead: mirrored, stride: count, width };
         let has_luminance = header.has_luminance;
-        let (a, b): (&[u8], &[u8]) = if header.codes.is_some() {
-            let [before, after] = place.views();
-            $copy_a = rows_of::decoded(material, before);
-            $copy_b = rows_of::decoded(material, after);
-            (&$copy_a, &$copy_b)
+        let views = if header.codes.is_some() {
+            let [a, b]: [&mut [f32]; 2] = $room;
+            rows_of::decode(material, place, [a, b]);
+            TwoRows::new([bytemuck::cast_slice(a), bytemuck::cast_slice(b)], shape)
         } else {
-            let [a, b] = place.rows(header);
-            let a = rows_of::from_offset!(material.bytes, a, ahead, reach, $copy_a, { rows_of::PADDED });
-            let b = rows_of::from_offset!(material.bytes, b, ahead, reach, $copy_b, { rows_of::PADDED });
-            (a, b)
+            let ([a, b], need) = (place.rows(header), shape.bytes());
+            let a = rows_of::from_offset!(material.bytes, a, 4 * mirrored, need, $copy_a, { rows_of::PADDED });
+            let b = rows_of::from_offset!(material.bytes, b, 4 * mirrored, need, $copy_b, { rows_of::PADDED });
+            TwoRows::new([a, b], shape)
         };
-        rows_of::Rows { a: &a[..reach], b: &b[..reach], place, count, mirrored, has_luminance }
+        rows_of::Rows { views, blend: place.blend(), count, mirrored, has_luminance }
+    }};
+}
+
+/// Room for two views, which is not cleared before it is asked for: of one group of lobes, which is `$few`, or of all.
+macro_rules! room_for {
+    ($few:expr, $little:ident, $all:ident) => {{
+        use $crate::kernel::between_views as rows_of;
+        if $few {
+            $little.get_or_insert(rows_of::FEW_DECODED).each_mut().map(|numbers| &mut numbers[..])
+        } else {
+            $all.get_or_insert(rows_of::NOT_DECODED).each_mut().map(|numbers| &mut numbers[..])
+        }
     }};
 }
 
 #[cfg(feature = "simd")]
-pub(crate) use rows_at;
+pub(crate) use {room_for, rows_at};
 
 /// The two views round an outgoing direction, and how far between them it lies.
 #[derive(Clone, Copy)]
@@ -96,6 +110,12 @@ impl Place {
         [self.before, self.after]
     }
 
+    /// The share of the second view.
+    #[inline(always)]
+    pub fn blend(self) -> f32 {
+        self.blend
+    }
+
     /// The two views, and the share of the second.
     #[inline(always)]
     pub fn between_views(self) -> Between {
@@ -131,7 +151,7 @@ pub(crate) fn views_passed<L: Lanes>(material: MaterialRef<'_>, theta: f32) -> u
     }
     let last = material.header.views - 1;
     if material.header.codes.is_some() {
-        return codes_passed(material, theta);
+        return angles_passed(material.bytes, last, theta);
     }
     let mut passed = 0;
     let mut view = 0;
@@ -143,13 +163,6 @@ pub(crate) fn views_passed<L: Lanes>(material: MaterialRef<'_>, theta: f32) -> u
         view += L::COUNT;
     }
     passed
-}
-
-/// The same of a material in codes.
-#[cold]
-#[inline(never)]
-fn codes_passed(material: MaterialRef<'_>, theta: f32) -> usize {
-    one_lobe::views_passed(material, theta)
 }
 
 /// The same for many angles: lanes are angles.
@@ -185,10 +198,10 @@ pub(crate) fn at_place<L: Lanes, const FEW: bool>(
 #[allow(clippy::needless_range_loop)] // see simd/lanes.rs: kernels loop over array indices
 pub(crate) fn head_numbers<L: Lanes>(material: MaterialRef<'_>, place: Place) -> [f32; HEAD] {
     let mut head = [0.0; HEAD];
-    let (copy_a, copy_b);
+    let copies;
     let (a, b): (&[u8], &[u8]) = if material.header.codes.is_some() {
-        (copy_a, copy_b) = (decoded_head(material, place.before), decoded_head(material, place.after));
-        (&copy_a, &copy_b)
+        copies = decoded_heads(material, place);
+        (&copies[0], &copies[1])
     } else {
         let [a, b] = place.views().map(|view| material.header.head(view));
         (&material.bytes[a..a + 4 * HEAD], &material.bytes[b..b + 4 * HEAD])
@@ -206,11 +219,10 @@ pub(crate) fn head_at<L: Lanes>(material: MaterialRef<'_>, place: Place) -> (f32
     if L::COUNT == 1 {
         return one_lobe::head(material, place.between_views());
     }
-    let (copy_a, copy_b);
+    let (copies, copy_a, copy_b);
     let (a, b) = if material.header.codes.is_some() {
-        copy_a = decoded_head(material, place.before);
-        copy_b = decoded_head(material, place.after);
-        (&copy_a[..], &copy_b[..])
+        copies = decoded_heads(material, place);
+        (&copies[0][..], &copies[1][..])
     } else {
         let (a, b) = (material.header.head(place.before), material.header.head(place.after));
         let a = from_offset!(material.bytes, a, 0, HEADS, copy_a, HEADS);
@@ -237,15 +249,15 @@ pub(crate) fn head_at<L: Lanes>(material: MaterialRef<'_>, place: Place) -> (f32
     (head[0], diffuse)
 }
 
-/// The bytes of the head of a view of a material in codes, and zeros.
-#[cold]
+/// The bytes of the heads of two views of a material in codes, and zeros.
 #[inline(never)]
-fn decoded_head(material: MaterialRef<'_>, view: usize) -> [u8; HEADS] {
-    let mut numbers = [0.0; WIDEST_PAIR];
-    for (i, number) in numbers.iter_mut().enumerate().take(HEAD) {
-        *number = material.header.head_number(material.bytes, view, i);
+fn decoded_heads(material: MaterialRef<'_>, place: Place) -> [[u8; HEADS]; 2] {
+    let heads = material.header.two_heads(material.bytes, place.views()).unwrap_or_default();
+    let mut bytes = [[0; HEADS]; 2];
+    for (bytes, head) in bytes.iter_mut().zip(heads) {
+        bytes[..4 * HEAD].copy_from_slice(bytemuck::bytes_of(&head.map(|n| n.to_bits().to_le())));
     }
-    bytemuck::cast(numbers.map(|n| n.to_bits().to_le()))
+    bytes
 }
 
 /// Interpolates the lobes and completes the mixture but for its sums.
@@ -264,7 +276,8 @@ fn lobes<L: Lanes, const FEW: bool>(
         return;
     }
     let (copy_a, copy_b);
-    let rows = rows_at!(L, material, place, copy_a, copy_b);
+    let (mut room, mut little) = (None, None);
+    let rows = rows_at!(L, material, place, copy_a, copy_b, room_for!(FEW, little, room));
     row::for_lobes!(FEW, L, &mut mixture.groups, rows.total(), |group, at, k| {
         let lobes = rows.lobes::<L, false>(k);
         let ([x, y, z], [red, green, blue]) = (lobes.axis, lobes.rgb);
@@ -319,11 +332,10 @@ pub(crate) struct Lobes<L> {
     pub luminance: L,
 }
 
-/// The bytes of two views, from as many numbers before each as it has mirrored lobes.
+/// The numbers of two views, and the share of the second.
 pub(crate) struct Rows<'a> {
-    pub a: &'a [u8],
-    pub b: &'a [u8],
-    pub place: Place,
+    pub views: TwoRows<'a>,
+    pub blend: f32,
     /// Stored lobes, and those of them that stand for two.
     pub count: usize,
     pub mirrored: usize,
@@ -331,6 +343,7 @@ pub(crate) struct Rows<'a> {
     pub has_luminance: bool,
 }
 
+#[allow(clippy::needless_range_loop)] // see simd/lanes.rs: kernels loop over array indices
 impl Rows<'_> {
     /// Lobes, the images of the mirrored ones included.
     #[inline(always)]
@@ -345,38 +358,63 @@ impl Rows<'_> {
         let valid = L::iota().lt(L::splat((self.total() - k) as f32));
         // Lanes without a lobe hold bytes of the next view or of the text, whose powers of two may be
         // subnormals: 150 cycles each on Intel. A power of -126 is exactly 0.
-        let angle = self.row::<L>(0, k).keep(valid);
-        let log_sharpness = self.row::<L>(1, k).keep(valid);
-        let first = exp2(L::select(valid, self.row(2, k), none));
+        let [angle, log_sharpness, first, second, third] = self.numbers::<L>(k);
+        let (angle, log_sharpness) = (angle.keep(valid), log_sharpness.keep(valid));
+        let first = exp2(L::select(valid, first, none));
         let nothing = if self.has_luminance { zero } else { none };
-        let second = L::select(valid, self.row(3, k), nothing);
-        let third = L::select(valid, self.row(4, k), nothing);
+        let second = L::select(valid, second, nothing);
+        let third = L::select(valid, third, nothing);
         let (rgb, luminance) = if self.has_luminance {
             (color::rgb(first, [second, third]), first)
         } else {
             let rgb = [first, exp2(second), exp2(third)];
             (rgb, dot3(rgb, splat3(LUMINANCE)))
         };
-        let (mut x, mut z) = sin_cos(angle);
-        let mut y = zero;
-        if self.mirrored > 0 && k + L::COUNT > self.count - self.mirrored {
-            let (sin, cos) = sin_cos(self.off_plane(k));
-            (x, y, z) = (x * cos, sin, z * cos);
-        }
+        let (x, z) = sin_cos(angle);
+        let axis = self.turned(k, [x, zero, z]);
         let sharpness = if SOON { exp2_soon(log_sharpness) } else { exp2(log_sharpness) };
-        Lobes { axis: [x, y, z], sharpness, rgb, luminance }
+        Lobes { axis, sharpness, rgb, luminance }
     }
 
-    /// Numbers of a row of a vector of lobes, images being their mirrored lobes; behind the last lobe anything.
+    /// The numbers of a vector of lobes, images being their mirrored lobes; behind the last lobe anything.
     #[inline(always)]
-    fn row<L: Lanes>(&self, row: usize, k: usize) -> L {
-        let at = self.mirrored + row * self.count + k;
-        let stored = self.place.between(self.a, self.b, at);
-        if self.mirrored == 0 || k + L::COUNT <= self.count {
-            return stored;
+    fn numbers<L: Lanes>(&self, k: usize) -> [L; ROWS] {
+        // Images are in the last vector: where two are taken together, one has none.
+        if L::VECTORS > 1 {
+            return of_halves([self.numbers(k), self.numbers(k + L::Half::COUNT)]);
         }
-        let image = self.place.between(self.a, self.b, at - self.mirrored);
-        L::select(self.before::<L>(self.count, k), stored, image)
+        let mut numbers = [L::splat(0.0); ROWS];
+        for row in 0..ROWS {
+            numbers[row] = self.between(row, 1, k);
+        }
+        if self.mirrored > 0 && k + L::COUNT > self.count {
+            let stored = self.before::<L>(self.count, k);
+            for row in 0..ROWS {
+                numbers[row] = L::select(stored, numbers[row], self.between(row, 0, k));
+            }
+        }
+        numbers
+    }
+
+    /// Turns axes out of the plane of incidence.
+    #[inline(always)]
+    fn turned<L: Lanes>(&self, k: usize, axis: [L; 3]) -> [L; 3] {
+        if L::VECTORS > 1 {
+            let [low, high] = halves(axis);
+            return of_halves([self.turned(k, low), self.turned(k + L::Half::COUNT, high)]);
+        }
+        if self.mirrored == 0 || k + L::COUNT <= self.count - self.mirrored {
+            return axis;
+        }
+        let (sin, cos) = sin_cos(self.off_plane::<L>(k));
+        [axis[0] * cos, sin, axis[2] * cos]
+    }
+
+    /// Interpolates the numbers of a row; `ahead`: 1, or 0 for the images.
+    #[inline(always)]
+    fn between<L: Lanes>(&self, row: usize, ahead: usize, k: usize) -> L {
+        let [a, b]: [L; 2] = self.views.load(row, ahead, k);
+        (b - a).mul_add(L::splat(self.blend), a)
     }
 
     /// Angles out of the plane of incidence: 0, then those of the mirrored lobes, then their opposites, then
@@ -384,9 +422,10 @@ impl Rows<'_> {
     #[inline(always)]
     fn off_plane<L: Lanes>(&self, k: usize) -> L {
         let zero = L::splat(0.0);
-        let at = 4 * self.count + self.mirrored + k;
-        let stored = self.place.between(self.a, self.b, at + self.mirrored);
-        let image = zero - self.place.between::<L>(self.a, self.b, at);
+        // They stand where the row behind the last would have its first numbers, so that from row 4 on a lobe's own is as many further
+        // as there are mirrored lobes.
+        let stored = self.between(4, 2, k);
+        let image = zero - self.between::<L>(4, 1, k);
         let image = L::select(self.before::<L>(self.count + self.mirrored, k), image, zero);
         let mirrored = L::select(self.before::<L>(self.count, k), stored, image);
         let off_plane = L::select(self.before::<L>(self.count - self.mirrored, k), zero, mirrored);
@@ -401,23 +440,28 @@ impl Rows<'_> {
     }
 }
 
-/// The bytes that a view of a material in codes has in plain numbers; as many numbers go before it as it has mirrored lobes.
-#[cold]
-#[inline(never)]
-pub(crate) fn decoded(material: MaterialRef<'_>, view: usize) -> [u8; PADDED] {
-    let (header, mut numbers) = (material.header, [0; PADDED]);
-    if let Some(views) = header.two_views(material.bytes, [view, view]) {
-        let mut at = header.mirrored;
-        for row in 0..6 {
-            let count = if row < 5 { header.lobes } else { header.mirrored };
-            for lobe in 0..count {
-                let [number, _] = views.numbers(row, lobe);
-                numbers[4 * at..4 * at + 4].copy_from_slice(&number.to_le_bytes());
-                at += 1;
-            }
+/// The numbers of two views, with room for those that a vector reaches.
+pub(crate) type Decoded = [[f32; PADDED / 4]; 2];
+
+/// Room for them.
+pub(crate) const NOT_DECODED: Decoded = [[0.0; PADDED / 4]; 2];
+
+/// The same for one group of lobes.
+pub(crate) const FEW_DECODED: [[f32; 5 * WIDEST + WIDEST_PAIR]; 2] = [[0.0; 5 * WIDEST + WIDEST_PAIR]; 2];
+
+/// The numbers that views of a material in codes have, little endian; as many go before them as there are mirrored lobes.
+#[inline(always)]
+pub(crate) fn decode(material: MaterialRef<'_>, place: Place, to: [&mut [f32]; 2]) {
+    let header = material.header;
+    let Some(views) = header.two_views(material.bytes, place.views()) else { return };
+    let len = 5 * header.lobes + header.mirrored;
+    let mut numbers = to.map(|to| &mut to[header.mirrored..][..len]);
+    views.all(header.mirrored, numbers.each_mut().map(|numbers| &mut **numbers));
+    if cfg!(target_endian = "big") {
+        for number in numbers.into_iter().flatten() {
+            *number = f32::from_bits(number.to_bits().to_le());
         }
     }
-    numbers
 }
 
 /// Bytes of one vector: the angles of views, or the head of one.

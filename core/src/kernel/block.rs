@@ -142,13 +142,18 @@ impl Routine for Work<'_> {
     fn run<L: Lanes>(self) {
         let Self { room, groups, draws, evaluates } = self;
         let Room { u, wi, direction, drawn, towards, hits, lanes, .. } = room;
+        let few = L::FUSED && groups.iter().all(|groups| groups.len() == 1);
         if evaluates {
-            hits.sums::<L>(groups, wi, lanes, towards);
+            hits.sums::<L>(groups, few, wi, lanes, towards);
         }
         if draws {
-            let chosen = Chosen::new::<L>(hits, groups, &u[0]);
+            let chosen = if few {
+                Chosen::new::<L, true>(hits, groups, &u[0])
+            } else {
+                Chosen::new::<L, false>(hits, groups, &u[0])
+            };
             *direction = hits.draw::<L>(&chosen, u);
-            hits.sums::<L>(groups, direction, lanes, drawn);
+            hits.sums::<L>(groups, few, direction, lanes, drawn);
         }
     }
 }
@@ -191,17 +196,17 @@ impl Hits {
         out
     }
 
-    /// Values and densities towards a direction for each hit.
+    /// Values and densities towards a direction for each hit. `few`: each has one group of lobes.
     #[inline(always)]
     fn sums<L: Lanes>(
         &self,
         groups: &[&[Group]; WIDEST],
+        few: bool,
         wi: &[Numbers; 3],
         lanes: &mut Lanes3,
         sums: &mut Sums,
     ) {
         let sights = sights::<L>(self.azimuth, self.excess, self.stretch, wi);
-        let few = L::FUSED && groups.iter().all(|groups| groups.len() == 1);
         for i in 0..self.count.min(WIDEST) {
             let acc = if few {
                 sum_lobes::<L::Lobes, true>(groups[i], self.lobes[i], self.squeezed[i], &sights, i)
@@ -300,7 +305,7 @@ struct Chosen {
 
 impl Chosen {
     #[inline(always)]
-    fn new<L: Lanes>(hits: &Hits, groups: &[&[Group]; WIDEST], u: &Numbers) -> Self {
+    fn new<L: Lanes, const FEW: bool>(hits: &Hits, groups: &[&[Group]; WIDEST], u: &Numbers) -> Self {
         // Harmless ones behind the last hit.
         let mut chosen = Self {
             axis: [ZEROS, ZEROS, ONES],
@@ -312,8 +317,8 @@ impl Chosen {
         };
         for i in 0..hits.count.min(WIDEST) {
             let target = chosen_power(hits.power[i], L::One::splat(u[i])).first();
-            let k = chosen_lobe::<L::Lobes, false>(groups[i], hits.lobes[i], target);
-            let Some(group) = groups[i].get(k / WIDEST) else { continue };
+            let k = chosen_lobe::<L::Lobes, FEW>(groups[i], hits.lobes[i], target);
+            let Some(group) = groups[i].get(if FEW { 0 } else { k / WIDEST }) else { continue };
             let at = k % WIDEST;
             for axis in 0..3 {
                 chosen.axis[axis][i] = group[row::AXIS_X + axis][at];

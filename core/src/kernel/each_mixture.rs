@@ -142,6 +142,10 @@ impl LobeSource for Made<'_, '_> {
         core::array::from_fn(|i| &self.0[i.min(self.0.len() - 1)].groups)
     }
 
+    fn has_factors(&self) -> bool {
+        self.0.iter().any(|m| !m.head.factors.nodes.is_none())
+    }
+
     fn factors(&self, hit: usize) -> Nodes<'_> {
         // A mixture of nothing may be multiplied by any factor, so that all have the same.
         let hits = if self.0[hit].is_nothing() { self.0 } else { &self.0[hit..=hit] };

@@ -5,8 +5,8 @@ use crate::simd::elementary::{falloff, falloff_soon, is_left};
 use crate::simd::lanes::{Lanes, Numbers, WIDEST};
 use crate::squeeze::{NUMBERS, Precise, Seen};
 
-/// The numbers of a block's directions as round and as squeezed lobes see them: structures of arrays.
-pub(crate) type Sights = [[Numbers; NUMBERS]; 2];
+/// The numbers of a block's directions as round and as squeezed lobes see them: structures of arrays, whose numbers are pairs.
+pub(crate) type Sights = [[[f32; 2]; WIDEST]; NUMBERS];
 
 /// Turns and squeezes directions; `azimuth`, its `excess` and `stretch` as a [`crate::squeeze::Squeeze`] has
 /// them. `L`: what sums the lobes.
@@ -17,16 +17,14 @@ pub(crate) fn sights<L: Lanes>(
     [along, inverse]: [Numbers; 2],
     [x, y, z]: &[Numbers; 3],
 ) -> Sights {
-    let mut sights = [[[0.0; WIDEST]; NUMBERS]; 2];
+    let mut sights = [[[0.0; 2]; WIDEST]; NUMBERS];
     // The compiler makes vectors of this loop.
     for i in 0..WIDEST {
         let precise = Precise::new([azimuth[0][i], azimuth[1][i]], excess[i], along[i], inverse[i]);
         let pair = precise.see([x[i], y[i], z[i]], L::FUSED);
-        for kind in 0..2 {
-            let numbers = pair[kind].to_numbers();
-            for n in 0..NUMBERS {
-                sights[kind][n][i] = numbers[n];
-            }
+        let (turned, squeezed) = (pair[0].to_numbers(), pair[1].to_numbers());
+        for n in 0..NUMBERS {
+            sights[n][i] = [turned[n], squeezed[n]];
         }
     }
     sights
@@ -38,10 +36,12 @@ pub(crate) fn sights<L: Lanes>(
 pub(crate) fn seen<L: Lanes>(sights: &Sights, i: usize, squeezed: L::Mask) -> Seen<L> {
     let mut numbers = [L::splat(0.0); NUMBERS];
     for n in 0..NUMBERS {
-        // A direction that is only turned keeps its length.
-        let is_one = n == LENGTH || n == INVERSE_SQUARE || n == SCALE;
-        let turned = L::splat(if is_one { 1.0 } else { sights[0][n][i] });
-        numbers[n] = L::select(squeezed, L::splat(sights[1][n][i]), turned);
+        // With fused operations no direction is made shorter, so that both have one height.
+        numbers[n] = if L::FUSED && n == HIGH_Z {
+            L::splat(sights[n][i][0])
+        } else {
+            L::either(squeezed, &sights[n][i])
+        };
     }
     Seen::from_numbers(numbers)
 }
@@ -77,7 +77,5 @@ pub(crate) fn folded_falloff<L: Lanes, const SOON: bool>(
     g * seen.scale
 }
 
-/// Places of some of the numbers.
-const LENGTH: usize = 6;
-const INVERSE_SQUARE: usize = 7;
-const SCALE: usize = 9;
+/// Place of one of the numbers.
+const HIGH_Z: usize = 2;

@@ -47,11 +47,18 @@ pub(crate) struct Scale {
 }
 
 /// The angle of a view from the normal, radians.
-#[cfg_attr(feature = "simd", cold)]
-#[cfg_attr(feature = "simd", inline(never))]
-#[cfg_attr(not(feature = "simd"), inline(always))]
+#[inline(always)]
 pub(crate) fn angle(bytes: &[u8], view: usize) -> f32 {
     f32::from(u16_at(bytes, angle_offset(view))) * ANGLE_UNIT
+}
+
+/// How many of the first views have an angle of at most `theta`: all are compared, so that nothing is a branch.
+pub(crate) fn angles_passed(bytes: &[u8], views: usize, theta: f32) -> usize {
+    let from = angle_offset(0);
+    let angles = part(bytes, from..from + 2 * views).as_chunks().0;
+    let passed: u32 =
+        angles.iter().map(|a| u32::from(theta >= f32::from(u16::from_le_bytes(*a)) * ANGLE_UNIT)).sum();
+    passed as usize
 }
 
 /// Byte offset of the angle of a view.
@@ -195,6 +202,24 @@ impl Codes {
         }
     }
 
+    /// The numbers of the heads of two views.
+    pub fn two_heads(self, counts: Counts, bytes: &[u8], views: [usize; 2]) -> [[f32; HEAD]; 2] {
+        let (scales, len) = (self.head_scales(counts), self.head_len());
+        let scales = part(bytes, scales..scales + SCALE * len).as_chunks().0;
+        let mut heads = [[0.0; HEAD]; 2];
+        for (head, view) in heads.iter_mut().zip(views) {
+            let (at, angle) = (self.head_offset(counts, view), angle(bytes, view));
+            let codes = part(bytes, at..at + 2 * len).as_chunks().0;
+            for ((number, scale), code) in head.iter_mut().zip(scales).zip(codes) {
+                *number = Scale::from_bytes(*scale).decode(u16::from_le_bytes(*code), angle);
+            }
+            if view == 0 {
+                head[0] = 0.0;
+            }
+        }
+        heads
+    }
+
     /// A number of a lobe at a view; of row 5 that of a mirrored lobe.
     pub fn number(self, counts: Counts, bytes: &[u8], view: usize, row: usize, lobe: usize) -> f32 {
         let [number, _] = self.two_views(counts, bytes, [view, view]).numbers(row, lobe);
@@ -235,5 +260,54 @@ impl TwoViews<'_> {
             *number = scale.decode(code, self.angles[i]);
         }
         numbers
+    }
+
+    /// All numbers of the lobes at the two views, in the order of `LOBE`: for vectors, which have no branch for a number.
+    #[inline(always)]
+    pub fn all(&self, mirrored: usize, mut to: [&mut [f32]; 2]) {
+        let (stored, all) = (self.codes.rows() * self.lobes, ROWS * self.lobes);
+        let together = if self.codes.is_grey { stored } else { all + mirrored };
+        self.decode(0, to.each_mut().map(|to| &mut to[..together]));
+        if self.codes.is_grey {
+            for to in &mut to {
+                to[stored..all].fill(0.0);
+            }
+            self.decode(stored, to.each_mut().map(|to| &mut to[all..all + mirrored]));
+        }
+        for (to, angle) in to.iter_mut().zip(self.angles) {
+            if angle == 0.0 {
+                to[..self.lobes].fill(0.0);
+                to[all..all + mirrored].fill(0.0);
+            }
+        }
+    }
+
+    /// The numbers of codes from a place on.
+    #[inline(always)]
+    fn decode(&self, from: usize, to: [&mut [f32]; 2]) {
+        let [a, b] = self.rows;
+        if self.codes.bytes == 1 {
+            let codes = [a, b].map(|codes| codes[from..].iter().map(|code| u16::from(*code)));
+            self.decode_each(from, to, codes);
+        } else {
+            let codes =
+                [a, b].map(|codes| codes.as_chunks().0[from..].iter().copied().map(u16::from_le_bytes));
+            self.decode_each(from, to, codes);
+        }
+    }
+
+    /// The compiler makes vectors of this loop.
+    #[inline(always)]
+    fn decode_each(
+        &self,
+        from: usize,
+        [a, b]: [&mut [f32]; 2],
+        [of_a, of_b]: [impl Iterator<Item = u16>; 2],
+    ) {
+        let scales = self.scales[from..].iter();
+        for ((scale, (a, b)), (of_a, of_b)) in scales.zip(a.iter_mut().zip(b)).zip(of_a.zip(of_b)) {
+            let scale = Scale::from_bytes(*scale);
+            (*a, *b) = (scale.decode(of_a, self.angles[0]), scale.decode(of_b, self.angles[1]));
+        }
     }
 }

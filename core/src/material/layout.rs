@@ -243,6 +243,11 @@ impl Header {
     pub fn two_views<'a>(&self, bytes: &'a [u8], views: [usize; 2]) -> Option<TwoViews<'a>> {
         self.codes.map(|codes| codes.two_views(self.counts(), bytes, views))
     }
+    /// The numbers of the heads of two views of a material in codes; `None` of f32.
+    #[inline(always)]
+    pub fn two_heads(&self, bytes: &[u8], views: [usize; 2]) -> Option<[[f32; HEAD]; 2]> {
+        self.codes.map(|codes| codes.two_heads(self.counts(), bytes, views))
+    }
     /// Byte offsets of what stands for a view's angle, its head, and a number of a lobe: the places of errors.
     pub const fn angle_offset(&self, view: usize) -> usize {
         if self.codes.is_some() { codes::angle_offset(view) } else { self.theta(view) }

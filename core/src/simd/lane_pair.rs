@@ -106,6 +106,10 @@ impl<L: Lanes> Lanes for LanePair<L> {
         Self(L::select(mask[0], yes.0, no.0), L::select(mask[1], yes.1, no.1))
     }
     #[inline(always)]
+    fn either(mask: [L::Mask; 2], numbers: &[f32; 2]) -> Self {
+        Self(L::either(mask[0], numbers), L::either(mask[1], numbers))
+    }
+    #[inline(always)]
     fn keep(self, mask: [L::Mask; 2]) -> Self {
         Self(self.0.keep(mask[0]), self.1.keep(mask[1]))
     }

@@ -131,6 +131,11 @@ pub trait Lanes:
     fn ge(self, other: Self) -> Self::Mask;
     /// `yes` where the mask is set, else `no`.
     fn select(mask: Self::Mask, yes: Self, no: Self) -> Self;
+    /// The second of two numbers where the mask is set, else the first.
+    #[inline(always)]
+    fn either(mask: Self::Mask, numbers: &[f32; 2]) -> Self {
+        Self::select(mask, Self::splat(numbers[1]), Self::splat(numbers[0]))
+    }
     /// `self` where the mask is set, else 0.
     fn keep(self, mask: Self::Mask) -> Self;
     /// Adds a whole number to the exponent of `self`: `n` is the float `n + 1.5 2^23`, whose low bits hold

@@ -64,6 +64,10 @@ impl LobeSource for Rows<'_> {
         core::array::from_fn(|i| &groups[i.min(count - 1) * groups_of_hit..][..groups_of_hit])
     }
 
+    fn has_factors(&self) -> bool {
+        self.expanded.material.borrowed().header.has_factors()
+    }
+
     fn factors(&self, _: usize) -> Nodes<'_> {
         Nodes::new(self.expanded.material.borrowed())
     }

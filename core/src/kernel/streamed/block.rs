@@ -54,8 +54,9 @@ fn lobes<L: Lanes, const FEW: bool>(
     groups: &mut [Group],
     groups_of_hit: usize,
 ) {
+    let mut room = None;
     for (i, groups) in groups.chunks_exact_mut(groups_of_hit).enumerate().take(hits.count) {
-        fill_first::<L, FEW>(materials[i], place[i], groups);
+        fill_first::<L, FEW>(materials[i], place[i], groups, &mut room);
     }
     for (i, groups) in groups.chunks_exact_mut(groups_of_hit).enumerate().take(hits.count) {
         hits.lobes_power[i] = fill_second::<L, FEW>(hits.lobes[i], groups);

@@ -2,7 +2,7 @@
 //! are lobes. Sharpness and luminance are left out, which neither sums nor draws need; for one hit the rates of folds too, which
 //! follow from others.
 
-use super::super::between_views::{Lobes, Place, rows_at};
+use super::super::between_views::{Decoded, Lobes, NOT_DECODED, Place, room_for, rows_at};
 use super::super::one_lobe;
 use crate::material::borrowed::MaterialRef;
 use crate::mixture::complete::LEAST_SHARPNESS;
@@ -36,7 +36,8 @@ pub(super) fn fill<L: Lanes, const FEW: bool>(
         return passed.first();
     }
     let (copy_a, copy_b);
-    let rows = rows_at!(L, material, place, copy_a, copy_b);
+    let (mut room, mut little) = (None, None);
+    let rows = rows_at!(L, material, place, copy_a, copy_b, room_for!(FEW, little, room));
     row::for_lobes!(FEW, L, groups, rows.total(), |group, at, k| {
         let lobes = rows.lobes::<L, true>(k);
         store_shape(&lobes, group, at);
@@ -45,15 +46,18 @@ pub(super) fn fill<L: Lanes, const FEW: bool>(
     passed.first()
 }
 
-/// The first stage of [`fill`] for blocks: all but what powers need a chain of operations for.
+/// The first stage of [`fill`] for blocks: all but what powers need a chain of operations for. `room`: for codes, if there are any.
 #[inline(always)]
 pub(super) fn fill_first<L: Lanes, const FEW: bool>(
     material: MaterialRef<'_>,
     place: Place,
     groups: &mut [Group],
+    room: &mut Option<Decoded>,
 ) {
     let (copy_a, copy_b);
-    let rows = rows_at!(L, material, place, copy_a, copy_b);
+    let rows = rows_at!(L, material, place, copy_a, copy_b, {
+        room.get_or_insert(NOT_DECODED).each_mut().map(|numbers| &mut numbers[..])
+    });
     row::for_lobes!(FEW, L, groups, rows.total(), |group, at, k| {
         let lobes = rows.lobes::<L, false>(k);
         let fold_rate = store_shape(&lobes, group, at);

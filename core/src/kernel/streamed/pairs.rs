@@ -203,6 +203,10 @@ impl LobeSource for Files<'_, '_> {
         core::array::from_fn(|i| &groups[i.min(count - 1) * groups_of_hit..][..groups_of_hit])
     }
 
+    fn has_factors(&self) -> bool {
+        self.materials.iter().any(|material| material.header.has_factors())
+    }
+
     fn factors(&self, hit: usize) -> Nodes<'_> {
         Nodes::new(self.materials[hit])
     }
