@@ -34,12 +34,27 @@ mod vfp;
 /// little room for code, and no vectors that would wait for a branch. The digits are the same.
 pub(crate) const ONE_TEXT: bool = !cfg!(feature = "simd");
 
+/// Bytes that a processor fetches from memory at a time.
+#[cfg(feature = "simd")]
+const CACHE_LINE: usize = 64;
+
 /// Asks for what will be read soon, so that waiting for memory and working go side by side.
-#[cfg(feature = "environment")]
+#[cfg(any(feature = "environment", feature = "simd"))]
 #[inline(always)]
 pub(crate) fn prefetch<T>(place: &T) {
     #[cfg(all(target_arch = "x86_64", target_feature = "sse2"))]
-    sse2::prefetch(place);
+    sse2::prefetch(core::ptr::from_ref(place).cast());
     #[cfg(not(all(target_arch = "x86_64", target_feature = "sse2")))]
     let _ = place;
+}
+
+/// The same for so many cache lines of bytes from an offset on, which need not be within them.
+#[cfg(feature = "simd")]
+#[inline(always)]
+pub(crate) fn prefetch_lines<const LINES: usize>(bytes: &[u8], from: usize) {
+    for line in 0..LINES {
+        let _place = bytes.as_ptr().wrapping_add(from + CACHE_LINE * line);
+        #[cfg(all(target_arch = "x86_64", target_feature = "sse2"))]
+        sse2::prefetch(_place.cast());
+    }
 }

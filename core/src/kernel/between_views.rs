@@ -13,6 +13,8 @@ use crate::mixture::row;
 use crate::mixture::rows::AnyMixture;
 use crate::simd::elementary::{exp2, exp2_soon, sin_cos};
 use crate::simd::lanes::{Lanes, WIDEST, WIDEST_PAIR, dot3, halves, of_halves, splat3};
+#[cfg(feature = "simd")]
+use crate::simd::prefetch_lines;
 use crate::simd::two_rows::{ROWS, TwoRows};
 use crate::squeeze::Squeeze;
 
@@ -108,6 +110,15 @@ impl Place {
     #[inline(always)]
     pub fn views(self) -> [usize; 2] {
         [self.before, self.after]
+    }
+
+    /// Asks for the lobes of the two views, of which the second follows the first: those of twelve lobes are seven or eight cache lines.
+    #[cfg(feature = "simd")]
+    #[inline(always)]
+    pub fn prefetch(self, material: MaterialRef<'_>) {
+        if material.header.codes.is_none() {
+            prefetch_lines::<8>(material.bytes, material.header.row(self.before, 0));
+        }
     }
 
     /// The share of the second view.

@@ -90,6 +90,7 @@ fn heads<L: Lanes>(
         let theta = if hits.is_there[i] > 0.0 { theta[i] } else { 0.0 };
         let passed = views_passed::<L>(materials[i], theta);
         place[i] = Place::after(materials[i], passed, theta);
+        place[i].prefetch(materials[i]);
         let of = head_numbers::<L::One>(materials[i], place[i]);
         for n in 0..4 {
             numbers[n][i] = of[n];

@@ -27,6 +27,8 @@ use crate::mixture::row::{Aligned, Group};
 use crate::simd::detect::Level;
 #[cfg(feature = "simd")]
 use crate::simd::lanes::{PARTS, WIDEST};
+#[cfg(feature = "simd")]
+use crate::simd::{prefetch, prefetch_lines};
 use core::borrow::Borrow;
 
 /// One outgoing direction for each of n hits.
@@ -175,6 +177,9 @@ fn in_blocks(
         if let Asking::Each(get) = source {
             for (i, material) in hits.materials.iter_mut().enumerate() {
                 *material = get(from + i.min(count - 1));
+                // Angles of views are read first, and then heads, which stand behind them.
+                prefetch(material.header);
+                prefetch_lines::<3>(material.bytes, 0);
             }
         }
         if hits.materials.iter().all(|material| material.header.is_isotropic()) {
