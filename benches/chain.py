@@ -3,7 +3,8 @@
 
 Steps the example `fixed-work` through an operation by ptrace, which counts the instructions of AVX-512 too, and finds by the
 symbols of lines which function each one was inlined from. Prints rows of docs/figures/hit-chain.csv: a stage's instructions a hit; of those
-the vector operations; moves of vectors to and from memory, and those of them to and from the stack; and branches.
+the vector operations; those that read or write vectors in memory, and in the stack; and branches. SRBF_LEVELS names other levels, SRBF_TIMES
+the number of hits.
 
     CARGO_PROFILE_RELEASE_DEBUG=1 cargo build --release -p srbf-benches --example fixed-work --target-dir target/lines
     python3 benches/chain.py target/lines/release/examples/fixed-work [OPERATION...]
@@ -22,6 +23,7 @@ LEVELS = os.environ.get("SRBF_LEVELS", "avx2 avx512").split()
 TIMES = int(os.environ.get("SRBF_TIMES", "256"))
 # The innermost of these functions that an instruction stands in names its stage. A path is the end of a file's.
 STAGES = [
+    ("material/codes.rs", None, "codes"),
     ("outgoing.rs", None, "angle of the outgoing direction"),
     ("between_views.rs", "views_passed", "the views beside it"),
     ("one_lobe.rs", "views_passed", "the views beside it"),

@@ -42,6 +42,14 @@ fn compare(name: &str, calls: u32, mut rust: impl FnMut(), mut c: impl FnMut()) 
 
 fn main() {
     println!("processor: {}", srbf_core::Processor::this());
+    for level in srbf_benches::harness::capped_and_best() {
+        level.set().expect("an available level");
+        println!("{}:", level.name());
+        report();
+    }
+}
+
+fn report() {
     let lobes = lobes();
     let mixture = Mixture::<16>::new(Domain::Hemisphere, 0.5, &lobes[..5], &lobes[5..]).expect("valid lobes");
     let mut storage = Box::new(Storage([0; srbf::SRBF_MIXTURE_SIZE_16]));

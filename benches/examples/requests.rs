@@ -1,5 +1,5 @@
 //! The time of a request for few hits, in C and in Rust, beside single calls: `cargo run --release -p srbf-benches --example requests`.
-//! A number of rounds may follow it.
+//! A number of rounds may follow it. There is a table for AVX2, and one for the best level of the processor.
 //!
 //! A hit draws a direction with its density and weight, and evaluates value and density towards another one; or it does the latter
 //! alone. Of C the *arrays* are dense, or the members of a structure for each hit. Requests for no hit have empty arrays: their time is
@@ -9,9 +9,9 @@
 
 use srbf::{srbf_material, srbf_mixture, srbf_numbers_out, srbf_request, srbf_sample, srbf_status};
 use srbf::{srbf_samples_out, srbf_vectors, srbf_vectors_out};
-use srbf_benches::harness::{Table, least_of};
+use srbf_benches::harness::{Table, capped_and_best, least_of};
 use srbf_benches::{GARNET_RED, Triples, garnet_red};
-use srbf_core::{Draws, Material, Mixture, Processor, Request, Towards};
+use srbf_core::{Draws, Level, Material, Mixture, Processor, Request, Towards};
 use std::hint::black_box;
 
 const HITS: usize = 1024;
@@ -62,20 +62,24 @@ const WAYS: [(Way, &str); 6] = [
 fn main() {
     let rounds = std::env::args().nth(1).map_or(ROUNDS, |rounds| rounds.parse().expect("a number of rounds"));
     println!("processor: {}", Processor::this());
-    let mut work = Work::new();
-    for subject in [Subject::Material, Subject::Mixture] {
-        for draws in [true, false] {
-            report(&mut work, subject, draws, rounds);
+    for level in capped_and_best() {
+        level.set().expect("an available level");
+        let mut work = Work::new();
+        for subject in [Subject::Material, Subject::Mixture] {
+            for draws in [true, false] {
+                report(level, &mut work, subject, draws, rounds);
+            }
         }
     }
 }
 
-fn report(work: &mut Work, subject: Subject, draws: bool, rounds: usize) {
+fn report(level: Level, work: &mut Work, subject: Subject, draws: bool, rounds: usize) {
     let times =
         COUNTS.map(|n| least_of(rounds, WAYS.len(), HITS, |way| work.run(WAYS[way].0, subject, draws, n)));
     let of = if subject == Subject::Material { "a material" } else { "a mixture" };
     let what = if draws { "draw, and value and density" } else { "value and density" };
-    let mut table = Table::new(&format!("{of}: {what}; hits a call"), COUNTS.map(|n| n.to_string()));
+    let title = format!("{}, {of}: {what}; hits a call", level.name());
+    let mut table = Table::new(&title, COUNTS.map(|n| n.to_string()));
     for (row, (_, name)) in WAYS.iter().enumerate() {
         table.row(name, times.iter().map(|ns| format!("{:.1} {:.2}", ns[row], ns[row] / ns[0])));
     }

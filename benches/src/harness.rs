@@ -19,6 +19,14 @@ pub fn levels_of(program: &str, names: &[String]) -> Result<Vec<Level>, ExitCode
     Ok(here.into_iter().filter(is_named).collect())
 }
 
+/// AVX2, as most processors have no more, and the best level of this machine: the levels of tables with one column or one table for each.
+pub fn capped_and_best() -> Vec<Level> {
+    let best = crate::levels().last();
+    let mut levels: Vec<Level> = crate::levels().filter(|level| *level == Level::Avx2).collect();
+    levels.extend(best.filter(|best| !levels.contains(best)));
+    levels
+}
+
 /// The arguments of the program.
 pub fn arguments() -> Vec<String> {
     std::env::args().skip(1).collect()

@@ -5,11 +5,35 @@ use super::multiply_factors::multiply_pairs;
 use super::request::Request;
 use super::slices::Block;
 use crate::mixture::factors::Nodes;
-use crate::mixture::row::Group;
+use crate::mixture::row::{Aligned, Group};
 use crate::mixture::rows::{LEAST_DENSITY, drawn_density};
 use crate::simd::detect::Level;
-use crate::simd::lanes::{Lanes, Numbers, WIDEST};
+use crate::simd::lanes::{Lanes, Numbers, PARTS, WIDEST};
 use crate::simd::routine::One;
+
+/// Runs the work of a request in room for the lobes of a block, at least `groups` of sixteen: in as little as serves, as room is cleared
+/// first.
+pub(crate) fn in_room(groups: usize, work: &mut dyn FnMut(&mut [Group])) {
+    if groups <= 1 {
+        in_room_of::<1>(work);
+    } else if groups <= SOME {
+        in_room_of::<SOME>(work);
+    } else if groups <= WIDEST {
+        in_room_of::<WIDEST>(work);
+    } else {
+        in_room_of::<{ WIDEST * PARTS }>(work);
+    }
+}
+
+/// Groups of a small block.
+const SOME: usize = WIDEST / 2;
+
+/// In room on the stack, which only such a call takes.
+#[inline(never)]
+fn in_room_of<const G: usize>(work: &mut dyn FnMut(&mut [Group])) {
+    let mut room = Aligned::<G>::EMPTY;
+    work(&mut room.0);
+}
 
 /// Where the lobes of the hits of a block come from.
 pub(crate) trait LobeSource {

@@ -72,7 +72,7 @@ impl<'m> AnyMixture<'m> {
 
 /// Fewer pairs than this are taken one by one.
 #[cfg(feature = "simd")]
-const FEW: usize = 4;
+pub(super) const FEW: usize = 4;
 
 fn for_each_mixture<'m>(
     mixtures: &[impl AsRef<AnyMixture<'m>>],
@@ -194,7 +194,7 @@ fn in_room<'m>(
 }
 
 /// Answers for mixture `m`, an empty one if the outgoing direction of hit `i` was none.
-fn one_of(request: &mut Request<'_>, m: &AnyMixture<'_>, i: usize) {
+pub(super) fn one_of(request: &mut Request<'_>, m: &AnyMixture<'_>, i: usize) {
     if let Some(draw) = &mut request.draw {
         draw_one(draw, m, i);
     }

@@ -59,7 +59,7 @@ impl<B: AsRef<[u8]>> Material<B> {
     }
 
     /// Writes an isotropic material with 8 or 16 bits a number, in a quarter or half of the bytes; such bytes are read in
-    /// place too. A hit takes 2.3 times as long on a PC, where [`unpack`](Self::unpack) serves.
+    /// place too. A hit takes 1.35 to 1.5 times as long on a PC, where [`unpack`](Self::unpack) serves.
     ///
     /// A number is off by at most half of 1/255 or 1/65535 of its range over all views, and 1/256 of that. The angle of an
     /// axis takes the smaller range of itself and of its distance from the mirror direction. Shapes: `out`

@@ -1,16 +1,18 @@
 //! The verbs of an expanded material, for n hits, each with an outgoing direction of its own.
 
-use super::super::answers::{LobeSource, answer_block};
+use super::super::answers::{LobeSource, answer_block, in_room};
 use super::super::block::Room;
-use super::super::request::Request;
+use super::super::each_mixture::{FEW, one_of};
+use super::super::request::{Request, at};
 use super::super::slices::{Block, one_length};
 use super::block::Fill;
 use super::table::Expanded;
 use crate::error::Error;
 use crate::mixture::factors::Nodes;
-use crate::mixture::row::{Aligned, Group};
+use crate::mixture::row::Group;
+use crate::mixture::rows::{AnyMixture, Mixture};
 use crate::simd::detect::Level;
-use crate::simd::lanes::{PARTS, WIDEST};
+use crate::simd::lanes::WIDEST;
 
 impl Expanded<'_> {
     /// Draws and evaluates for n hits, each with an outgoing direction of its own: outputs that are given are wanted.
@@ -25,21 +27,34 @@ impl Expanded<'_> {
     pub fn ask(&self, wo: [&[f32]; 3], mut request: Request<'_>) -> Result<(), Error> {
         let n = one_length(&wo)?;
         request.check(n)?;
-        let (mut usual, mut most);
-        let groups: &mut [Group] = if self.groups() == 1 {
-            usual = Aligned::<WIDEST>::EMPTY;
-            &mut usual.0
-        } else {
-            most = Aligned::<{ WIDEST * PARTS }>::EMPTY;
-            &mut most.0
-        };
-        let (mut room, level) = (Room::NEW, Level::current());
-        let mut hits = Rows { expanded: self, level, count: 0, groups };
-        for block in Block::all(n) {
-            hits.count = block.count;
-            answer_block(level, &mut hits, block, Some(wo), &mut request, &mut room);
+        if n < FEW {
+            // Room that is not needed is not cleared.
+            if self.groups() == 1 {
+                self.one_by_one(wo, &mut request, &mut Mixture::<16>::empty());
+            } else {
+                self.one_by_one(wo, &mut request, &mut Mixture::<64>::empty());
+            }
+            return Ok(());
         }
+        in_room(self.groups() * n.min(WIDEST), &mut |groups| {
+            let (mut room, level) = (Room::NEW, Level::current());
+            let mut hits = Rows { expanded: self, level, count: 0, groups };
+            for block in Block::all(n) {
+                hits.count = block.count;
+                answer_block(level, &mut hits, block, Some(wo), &mut request, &mut room);
+            }
+        });
         Ok(())
+    }
+
+    /// The same by the mixture of each hit.
+    #[inline(never)]
+    fn one_by_one<'a>(&'a self, wo: [&[f32]; 3], request: &mut Request<'_>, mixture: &mut AnyMixture<'a>) {
+        for i in 0..wo[0].len() {
+            // What is no direction makes an empty mixture.
+            let _ = self.prepare(at(&wo, i), mixture);
+            one_of(request, mixture, i);
+        }
     }
 
     /// Groups of sixteen lobes.

@@ -5,7 +5,7 @@
 //! material is anisotropic, one after the other.
 
 #[cfg(feature = "simd")]
-use super::super::answers::{LobeSource, answer_block};
+use super::super::answers::{LobeSource, answer_block, in_room};
 #[cfg(feature = "simd")]
 use super::super::block::Room;
 #[cfg(feature = "simd")]
@@ -22,11 +22,11 @@ use crate::material::borrowed::{Material, MaterialRef};
 #[cfg(feature = "simd")]
 use crate::mixture::factors::Nodes;
 #[cfg(feature = "simd")]
-use crate::mixture::row::{Aligned, Group};
+use crate::mixture::row::Group;
 #[cfg(feature = "simd")]
 use crate::simd::detect::Level;
 #[cfg(feature = "simd")]
-use crate::simd::lanes::{PARTS, WIDEST};
+use crate::simd::lanes::WIDEST;
 #[cfg(feature = "simd")]
 use crate::simd::{prefetch, prefetch_lines};
 use core::borrow::Borrow;
@@ -72,10 +72,6 @@ impl<B: AsRef<[u8]>> Material<B> {
 /// Fewer hits than this are taken one by one.
 #[cfg(feature = "simd")]
 const FEW: usize = 4;
-
-/// Up to that many hits have a small block.
-#[cfg(feature = "simd")]
-const SOME: usize = WIDEST / 2;
 
 /// The material of each hit.
 #[derive(Clone, Copy)]
@@ -153,41 +149,28 @@ fn in_blocks(
     wo: [&[f32]; 3],
     request: &mut Request<'_>,
 ) {
-    // Few hits do not wait until room for many has been cleared.
-    let (mut some, mut usual, mut most);
-    let groups: &mut [Group] = match (groups_of_hit, wo[0].len() <= SOME) {
-        (1, true) => {
-            some = Aligned::<SOME>::EMPTY;
-            &mut some.0
-        }
-        (1, false) => {
-            usual = Aligned::<WIDEST>::EMPTY;
-            &mut usual.0
-        }
-        _ => {
-            most = Aligned::<{ WIDEST * PARTS }>::EMPTY;
-            &mut most.0
-        }
-    };
-    let mut room = Room::NEW;
-    let mut hits = Files { level, materials: [source.get(0); WIDEST], count: 0, groups, groups_of_hit };
-    for block in Block::all(wo[0].len()) {
-        let Block { from, count } = block;
-        hits.count = count;
-        if let Asking::Each(get) = source {
-            for (i, material) in hits.materials.iter_mut().enumerate() {
-                *material = get(from + i.min(count - 1));
-                // Angles of views are read first, and then heads, which stand behind them.
-                prefetch(material.header);
-                prefetch_lines::<3>(material.bytes, 0);
+    let n = wo[0].len();
+    in_room(groups_of_hit * n.min(WIDEST), &mut |groups| {
+        let mut room = Room::NEW;
+        let mut hits = Files { level, materials: [source.get(0); WIDEST], count: 0, groups, groups_of_hit };
+        for block in Block::all(n) {
+            let Block { from, count } = block;
+            hits.count = count;
+            if let Asking::Each(get) = source {
+                for (i, material) in hits.materials.iter_mut().enumerate() {
+                    *material = get(from + i.min(count - 1));
+                    // Angles of views are read first, and then heads, which stand behind them.
+                    prefetch(material.header);
+                    prefetch_lines::<3>(material.bytes, 0);
+                }
+            }
+            if hits.materials.iter().all(|material| material.header.is_isotropic()) {
+                answer_block(level, &mut hits, block, Some(wo), request, &mut room);
+            } else {
+                one_by_one(source, wo, request, from..from + count);
             }
         }
-        if hits.materials.iter().all(|material| material.header.is_isotropic()) {
-            answer_block(level, &mut hits, block, Some(wo), request, &mut room);
-        } else {
-            one_by_one(source, wo, request, from..from + count);
-        }
-    }
+    });
 }
 
 /// The hits of a block, whose lobes come from files.
