@@ -18,7 +18,7 @@ import subprocess
 import sys
 
 BINARY = os.path.abspath(sys.argv[1])
-OPERATIONS = sys.argv[2:] or ["hit", "hits"]
+OPERATIONS = sys.argv[2:] or ["hit", "hits", "packed-hits"]
 LEVELS = os.environ.get("SRBF_LEVELS", "avx2 avx512").split()
 TIMES = int(os.environ.get("SRBF_TIMES", "256"))
 # The innermost of these functions that an instruction stands in names its stage. A path is the end of a file's.
