@@ -71,7 +71,6 @@ impl<'m> AnyMixture<'m> {
 }
 
 /// Fewer pairs than this are taken one by one.
-#[cfg(feature = "simd")]
 pub(super) const FEW: usize = 4;
 
 fn for_each_mixture<'m>(
