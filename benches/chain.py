@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""The chain of a hit: instructions of its stages at each level, counted one by one, and what they are.
+"""The chain of a hit: instructions of its stages at each level, counted one by one, by kind.
 
 Steps the example `fixed-work` through an operation by ptrace, which counts the instructions of AVX-512 too, and finds by the
 symbols of lines which function each one was inlined from. Prints rows of docs/figures/hit-chain.csv: a stage's instructions a hit; of those

@@ -48,7 +48,7 @@ pub(crate) fn prefetch<T>(place: &T) {
     let _ = place;
 }
 
-/// The same for so many cache lines of bytes from an offset on, which need not be within them.
+/// The same for a number of cache lines of bytes from an offset on, which need not be within them.
 #[cfg(feature = "simd")]
 #[inline(always)]
 pub(crate) fn prefetch_lines<const LINES: usize>(bytes: &[u8], from: usize) {

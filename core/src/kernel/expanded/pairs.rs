@@ -51,7 +51,7 @@ impl Expanded<'_> {
     #[inline(never)]
     fn one_by_one<'a>(&'a self, wo: [&[f32]; 3], request: &mut Request<'_>, mixture: &mut AnyMixture<'a>) {
         for i in 0..wo[0].len() {
-            // What is no direction makes an empty mixture.
+            // A vector that is no direction makes an empty mixture.
             let _ = self.prepare(at(&wo, i), mixture);
             one_of(request, mixture, i);
         }
