@@ -64,6 +64,10 @@ pub fn fit_source(
 ) -> Result<Fit, FitError> {
     let mut fit = fit_content(&source.content, settings, progress)?;
     let intake = source.intake.as_ref();
+    if let Some(completion) = &source.completion {
+        fit.report.gaps = Some(completion.gaps.clone());
+        fit.report.completion = Some(completion.clone());
+    }
     fit.report.look = intake.map(|intake| Look::new(intake, fit.report.completion.as_ref()));
     fit.report.mark_contradicted();
     if let Some(spectra) = source.spectra() {

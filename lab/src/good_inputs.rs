@@ -100,8 +100,7 @@ fn planted(args: &Args, factor: f64) -> anyhow::Result<()> {
             let row = &mut intake.rows[at];
             row.rgb = row.rgb.map(|v| v * factor);
             let line = row.line;
-            let Ok(source) = Source::of_samples(intake, Path::new("made.csv"), name.clone(), String::new())
-            else {
+            let Ok(source) = Source::of_samples(intake, name.clone(), String::new()) else {
                 refused[n] += 1;
                 continue;
             };
@@ -128,8 +127,7 @@ fn of_made(name: &str, made: &Made) -> anyhow::Result<String> {
     let source = csv::parse(made.text.as_bytes(), &Default::default())
         .map_err(|error| error.to_string())
         .and_then(|intake| {
-            Source::of_samples(intake, path, name.to_owned(), String::new())
-                .map_err(|error| error.to_string())
+            Source::of_samples(intake, name.to_owned(), String::new()).map_err(|error| error.to_string())
         });
     let source = match source {
         Ok(source) => source,

@@ -13,10 +13,10 @@
 //! 4. their colours are in XYZ, where none is negative (`color`).
 //!
 //! Smoothness of the residual, and noise, are those that predict left-out samples best, one by one and view by view
-//! (`held_out`). Samples that all others contradict are left out (`robust`). Of more samples than `points` takes, close ones are
+//! (`held_out`). Of a surface that was turned, `turned` finds whether a turn changes it, and along which axis. Samples that all others contradict are left out (`robust`). Of more samples than `points` takes, close ones are
 //! taken together.
 //!
-//! May import: `error`, `numeric`, `table`.
+//! May import: `error`, `numeric`, `row`, `table`.
 
 mod color;
 mod energy;
@@ -35,10 +35,12 @@ mod report;
 mod robust;
 mod scale;
 mod tuning;
+mod turn;
+pub(crate) mod turned;
 
 use crate::FitError;
 use crate::complete::tuning::choice::{ALONE, BRIGHTER, FARTHEST, KERNELS, LEAST_WIDTH, NOISES, OF_MODEL};
-use crate::table::{Brdf, Table, check_storable};
+use crate::table::{Brdf, Symmetry, Table, check_storable};
 use energy::Energy;
 use family::{Models, models, unseen};
 pub use gaps::Gaps;
@@ -59,11 +61,14 @@ pub use robust::Outlier;
 use robust::without_outliers;
 use scale::Scale;
 use std::collections::BTreeSet;
+pub use turn::{Kept, Turn};
 
 /// Samples made a BRDF.
 pub struct Completion {
     model: Microfacet,
     scale: Scale,
+    /// The axis, if a turn changes the surface.
+    turn: Option<Turn>,
     /// The residual above the model on the scale, if there is a process.
     above: Option<Grid>,
     /// Greatest size of a value, on the scale.
@@ -100,31 +105,32 @@ pub fn complete(table: &Table) -> Result<Completion, FitError> {
         )));
     }
     check_storable(samples())?;
-    let mut completion = completed(Measurement::new(table))?;
+    let mut completion = completed(Measurement::new(table), None)?;
     completion.report.gaps = gaps(table);
     Ok(completion)
 }
 
 /// Completes pairs of directions, incident and outgoing, and f in linear sRGB.
 pub(crate) fn complete_pairs(pairs: &[([f64; 3], [f64; 3], [f64; 3])]) -> Result<Completion, FitError> {
-    completed(Measurement::of_pairs(pairs))
+    completed(Measurement::of_pairs(pairs), None)
 }
 
-fn completed(measurement: Measurement) -> Result<Completion, FitError> {
+fn completed(measurement: Measurement, turn: Option<Turn>) -> Result<Completion, FitError> {
     let (measurement, outliers) = without_outliers(measurement);
     let scale = Scale::of(&measurement);
     let models = models(&measurement, scale);
     let best = best(&measurement, scale, &models);
     let is_alone = best.as_ref().is_some_and(|b| is_better_alone(&measurement, scale, b, &models.alone));
     let made = best.and_then(|best| match is_alone {
-        true => Some(made_alone(&measurement, scale, &models.alone)),
-        false => made(&measurement, scale, (&best, &models.alone)),
+        true => Some(made_alone(&measurement, scale, &models.alone, turn)),
+        false => made(&measurement, scale, (&best, &models.alone), turn),
     });
     let Some(mut completion) = made else {
         let text = "its samples are too far apart in size to tell the values between them";
         return Err(FitError::Table(text.into()));
     };
     completion.report.outliers = outliers;
+    completion.report.turn = turn;
     let (energy, albedo) = Energy::new(&completion)?;
     (completion.energy, completion.report.albedo) = (energy, albedo);
     Ok(completion)
@@ -178,6 +184,7 @@ fn made(
     measurement: &Measurement,
     scale: Scale,
     (best, alone): (&Candidate, &Microfacet),
+    turn: Option<Turn>,
 ) -> Option<Completion> {
     let &Candidate { model, kernel, noise, .. } = best;
     let points = points(measurement, &model, scale, width(&model));
@@ -192,7 +199,7 @@ fn made(
         family: model.family(),
         width: model.width(),
         exponent: model.exponent(),
-        lengths: kernel.lengths,
+        lengths: [0, 1, 2, 3].map(|k| kernel.lengths[k]),
         noise,
         samples_left_out: HeldOut::alone(&process, &points, scale),
         views_left_out: HeldOut::bands(&process, &points, scale),
@@ -200,7 +207,7 @@ fn made(
         ..CompletionReport::default()
     };
     let heights = Heights::new(&points);
-    let above = Grid::new(width(&model), |pair, at| {
+    let above = Grid::new(width(&model), turn, |pair, at| {
         let values = process.at(at);
         let mean = values.iter().sum::<f64>() / 3.0;
         let corrected = heights.correction(at[0], mean);
@@ -209,11 +216,11 @@ fn made(
         hue.map(|v| mean + corrected + free * v)
     });
     let most = most(measurement, scale);
-    Some(Completion { model, scale, above: Some(above), most, energy: None, report })
+    Some(Completion { model, scale, turn, above: Some(above), most, energy: None, report })
 }
 
 /// The completion by the model without a process.
-fn made_alone(measurement: &Measurement, scale: Scale, model: &Microfacet) -> Completion {
+fn made_alone(measurement: &Measurement, scale: Scale, model: &Microfacet, turn: Option<Turn>) -> Completion {
     let [samples_left_out, views_left_out] = unseen(measurement, scale, model, None).unwrap_or_default();
     let report = CompletionReport {
         samples: measurement.samples.len(),
@@ -227,7 +234,7 @@ fn made_alone(measurement: &Measurement, scale: Scale, model: &Microfacet) -> Co
         ..CompletionReport::default()
     };
     let most = most(measurement, scale);
-    Completion { model: *model, scale, above: None, most, energy: None, report }
+    Completion { model: *model, scale, turn, above: None, most, energy: None, report }
 }
 
 fn of_model_alone(measurement: &Measurement, scale: Scale, model: &Microfacet) -> HeldOut {
@@ -285,11 +292,15 @@ impl Brdf for Model {
 
 impl Brdf for Completion {
     fn evaluate(&self, wi: [f64; 3], wo: [f64; 3]) -> [f64; 3] {
-        let pair = Pair::new(wi, wo);
+        let pair = self.turn.as_ref().map_or_else(|| Pair::new(wi, wo), |turn| Pair::turned(wi, wo, turn));
         let model = self.model.value(&pair);
-        let above = self.above.as_ref().map_or([0.0; 3], |above| above.at(&pair));
+        let above = self.above.as_ref().map_or([0.0; 3], |above| above.at(&pair, wi, wo));
         let value = |c: usize| self.scale.to(model[c]) + above[c].clamp(-FARTHEST, FARTHEST);
         let share = self.energy.as_ref().map_or(1.0, |energy| energy.factor(wi[2]) * energy.factor(wo[2]));
         color::rgb([0, 1, 2].map(|c| share * self.scale.back(value(c).clamp(-self.most, self.most))))
+    }
+
+    fn symmetry(&self) -> Symmetry {
+        self.turn.map_or(Symmetry::Isotropic, |turn| turn.symmetry())
     }
 }

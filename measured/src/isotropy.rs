@@ -7,7 +7,7 @@
 //!
 //! May import: `complete`, `numeric`, `row`.
 
-use crate::complete::pair::{COORDINATES, Pair};
+use crate::complete::pair::{COORDINATES, ISOTROPIC, Pair};
 use crate::numeric::cholesky::Square;
 use crate::numeric::median::median;
 use crate::row::{NORMAL, Row, thin};
@@ -25,7 +25,7 @@ const TURNED: f64 = 0.02;
 
 /// Widths of highlights, lengths, and variances of noise that are tried.
 const WIDTHS: [f64; 3] = [0.4, 0.1, 0.02];
-const LENGTHS: [[f64; COORDINATES]; 3] = [[1.0, 0.8, 0.8, 2.0], [2.0, 1.2, 1.2, 3.0], [1.0, 0.15, 0.8, 2.0]];
+const LENGTHS: [[f64; ISOTROPIC]; 3] = [[1.0, 0.8, 0.8, 2.0], [2.0, 1.2, 1.2, 3.0], [1.0, 0.15, 0.8, 2.0]];
 const NOISES: [f64; 4] = [1e-3, 1e-2, 0.1, 0.3];
 const VARIANCE: f64 = 3.0;
 
@@ -35,8 +35,8 @@ const SHARES: [f64; 2] = [0.1, 1.0];
 /// Values below this share of the median size count as even about 0.
 const FLOOR: f64 = 0.04;
 
-/// Logarithm of the likelihood, a sample, that the turn brings: refused from here on, said from there on.
-const REFUSED: f64 = 0.1;
+/// Logarithm of the likelihood, a sample, that the turn brings: from here on an anisotropic surface, said from there on.
+const ANISOTROPIC: f64 = 0.1;
 const SAID: f64 = 0.04;
 
 /// Samples whose directions are as close as this, radians, but for a turn by more than that, are compared for the words.
@@ -50,6 +50,8 @@ pub struct Isotropy {
     pub gain: f64,
     /// Ratio of the largest to the least value of a pair of directions that differ by a turn alone, which nine in ten are below.
     pub apart: Option<f64>,
+    /// Whether an isotropic completion predicts samples and turns as well that it did not see: then a turn explains noise.
+    pub explained: bool,
 }
 
 impl Isotropy {
@@ -79,12 +81,12 @@ impl Isotropy {
             }
         }
         let (turned, _) = best(&turned, &few, &values)?;
-        Some(Self { gain: (turned - plain) / few.len() as f64, apart: apart(rows) })
+        Some(Self { gain: (turned - plain) / few.len() as f64, apart: apart(rows), explained: false })
     }
 
     /// Whether the surface is anisotropic beyond doubt.
     pub fn is_anisotropic(&self) -> bool {
-        self.gain > REFUSED
+        self.gain > ANISOTROPIC && !self.explained
     }
 
     /// Whether it may be.
@@ -133,7 +135,7 @@ fn best(candidates: &[Candidate], rows: &[&Row], values: &[f64]) -> Option<(f64,
 #[derive(Clone, Copy)]
 struct Candidate {
     width: f64,
-    lengths: [f64; COORDINATES],
+    lengths: [f64; ISOTROPIC],
     noise: f64,
     /// Variance of the term over the turn.
     share: f64,
@@ -153,7 +155,7 @@ impl Candidate {
         for i in 0..rows.len() {
             for j in 0..=i {
                 let squared: f64 =
-                    (0..COORDINATES).map(|k| ((at[i].0[k] - at[j].0[k]) / self.lengths[k]).powi(2)).sum();
+                    (0..ISOTROPIC).map(|k| ((at[i].0[k] - at[j].0[k]) / self.lengths[k]).powi(2)).sum();
                 let r = libm::sqrt(5.0 * squared);
                 let matern = (1.0 + r + r * r / 3.0) * libm::exp(-r);
                 let turn =

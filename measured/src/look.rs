@@ -213,11 +213,18 @@ impl Look {
             found.push(Finding { lines, ..plain(Topic::NotMeasured, text) });
         }
         match &self.isotropy {
+            Some(isotropy) if isotropy.is_anisotropic() => {
+                let axis = completion.and_then(|completion| completion.turn);
+                let axis = axis.map_or_else(String::new, |turn| format!("; {}", turn.text()));
+                let text = format!("an anisotropic surface: {}{axis}", isotropy.text());
+                found.push(plain(Topic::Isotropy, text));
+            }
             Some(isotropy) if isotropy.is_doubtful() => {
-                found.push(off(
-                    Topic::Isotropy,
-                    format!("{}; only isotropic samples are fitted", isotropy.text()),
-                ));
+                let text = format!(
+                    "{}, but no more than noise may; the surface is taken as isotropic",
+                    isotropy.text()
+                );
+                found.push(off(Topic::Isotropy, text));
             }
             Some(_) => {
                 found.push(plain(Topic::Isotropy, "the sample was turned, and a turn changes nothing".into()))
@@ -427,7 +434,11 @@ fn sides(pairs: &[Compared]) -> Option<(f64, usize)> {
 fn outliers(intake: &Intake, completion: &CompletionReport) -> Vec<Outlier> {
     let groups = intake.placed();
     let found = completion.outliers.iter().filter_map(|outlier| {
-        let row = *groups.get(outlier.view)?.get(outlier.sample)?;
+        // Samples of a surface that a turn changes are numbered as they stand in the file.
+        let row = match completion.turn {
+            Some(_) => outlier.sample,
+            None => *groups.get(outlier.view)?.get(outlier.sample)?,
+        };
         let (ratio, is_wrong) = (outlier.ratio, outlier.is_wrong);
         Some(Outlier { row: *intake.rows.get(row)?, ratio, is_wrong })
     });

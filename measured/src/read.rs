@@ -39,6 +39,8 @@ mod wavelengths;
 mod words;
 
 use crate::analytic;
+use crate::complete::CompletionReport;
+use crate::complete::turned::{Found, complete_turned};
 use crate::file::{MAX_FILE, read_bytes};
 use crate::isotropy::Isotropy;
 use crate::table::{Brdf, Table};
@@ -90,6 +92,8 @@ pub struct Source {
     pub sha256: String,
     /// Samples as they stand in the file, and rows that were left out. `None` for a BRDF.
     pub intake: Option<Intake>,
+    /// The quality of the completion, if the BRDF is one of samples of a surface that a turn changes.
+    pub completion: Option<CompletionReport>,
     /// The spectra of the colours of a BRDF.
     of_brdf: Option<Spectra>,
 }
@@ -97,7 +101,14 @@ pub struct Source {
 impl Source {
     /// A BRDF.
     pub fn evaluable(brdf: Box<dyn Brdf + Send>, name: String, sha256: String) -> Self {
-        Self { content: Content::Evaluable(brdf), name, sha256, intake: None, of_brdf: None }
+        Self {
+            content: Content::Evaluable(brdf),
+            name,
+            sha256,
+            intake: None,
+            of_brdf: None,
+            completion: None,
+        }
     }
 
     /// The same with spectra of its colours.
@@ -117,22 +128,30 @@ impl Source {
         self.of_brdf.as_ref().or_else(|| self.intake.as_ref()?.spectra.as_ref())
     }
 
-    /// Samples of an isotropic surface; `path` is for messages.
+    /// Samples. Those of a surface that a turn changes are completed at once, and are a BRDF from then on.
     ///
     /// # Errors
-    /// [`FitError::Read`] for those of an anisotropic one; [`FitError::Table`] for samples that make no table.
-    pub fn of_samples(intake: Intake, path: &Path, name: String, sha256: String) -> Result<Self, FitError> {
-        let intake = Intake { isotropy: Isotropy::of(&intake.rows), ..intake };
+    /// [`FitError::Table`] for samples that make no table.
+    pub fn of_samples(intake: Intake, name: String, sha256: String) -> Result<Self, FitError> {
+        let mut intake = Intake { isotropy: Isotropy::of(&intake.rows), ..intake };
         if let Some(found) = intake.isotropy.filter(Isotropy::is_anisotropic) {
-            let text = format!(
-                "samples of an anisotropic surface: {}. Samples have to be of an isotropic surface; a table of an anisotropic one is read \
-                 from .bsdf",
-                found.text()
-            );
-            return Err(FitError::Read { path: path.to_path_buf(), source: ReadError::Content(text) });
+            if let Found::Anisotropic(completion) = complete_turned(&intake.rows, intake.is_light_fixed)? {
+                let report = Some(completion.report.clone());
+                let content = Content::Evaluable(completion);
+                return Ok(Self {
+                    content,
+                    name,
+                    sha256,
+                    intake: Some(intake),
+                    of_brdf: None,
+                    completion: report,
+                });
+            }
+            intake.isotropy = Some(Isotropy { explained: true, ..found });
         }
         let table = Table::from_scattered(intake.views())?;
-        Ok(Self { content: Content::Samples(table), name, sha256, intake: Some(intake), of_brdf: None })
+        let content = Content::Samples(table);
+        Ok(Self { content, name, sha256, intake: Some(intake), of_brdf: None, completion: None })
     }
 }
 
@@ -237,7 +256,7 @@ fn of_bytes(path: &Path, bytes: &[u8], conventions: &Conventions) -> Result<Sour
         Format::Text => csv::parse(bytes, conventions),
     }
     .map_err(fault)?;
-    Source::of_samples(intake, path, name, sha256)
+    Source::of_samples(intake, name, sha256)
 }
 
 /// A MERL material with what its holes are filled by, if it has some above the horizon.

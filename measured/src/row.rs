@@ -41,6 +41,12 @@ impl Row {
     }
 }
 
+/// A direction in the frame of a sample that is turned by an angle, radians, anticlockwise as seen from above.
+pub(crate) fn turned_back([x, y, z]: [f64; 3], angle: f64) -> [f64; 3] {
+    let (sin, cos) = libm::sincos(angle);
+    [x * cos + y * sin, y * cos - x * sin, z]
+}
+
 /// Angle of a unit vector from the normal, radians.
 pub(crate) fn polar(d: [f64; 3]) -> f64 {
     libm::atan2(libm::hypot(d[0], d[1]), d[2])

@@ -270,7 +270,7 @@ fn conventions_are_asked_or_said() {
     assert!(!said(&read_with(&file.0, &turned).unwrap()));
 }
 
-/// A turn that matters refuses a file; noise, gloss and the two sides of a plane do not.
+/// A turn that matters makes a surface anisotropic, and its axis is found; noise, gloss and the two sides of a plane do not.
 #[test]
 fn only_a_real_turn_makes_a_surface_anisotropic() {
     let mut random = 1u64;
@@ -303,8 +303,27 @@ fn only_a_real_turn_makes_a_surface_anisotropic() {
         }
         text(&samples)
     };
-    let error = refused("aniso.csv", &turned("model:ward:diffuse=0.1,specular=0.3,alpha_x=0.1,alpha_y=0.4"));
-    assert!(error.contains("anisotropic") && error.contains("times"), "{error}");
+    let ward = "model:ward:diffuse=0.1,specular=0.3,alpha_x=0.1,alpha_y=0.4";
+    let source = read_text("aniso.csv", &turned(ward));
+    let turn = source.completion.as_ref().unwrap().turn.unwrap();
+    println!("{turn:?}");
+    assert!((turn.axis.to_degrees() - 90.0).abs() < 2.0 && (turn.along - 2.0).abs() < 0.1, "{turn:?}");
+    let look = Look::new(source.intake.as_ref().unwrap(), source.completion.as_ref());
+    assert!(!is_off(&look, Topic::Isotropy));
+    assert!(look.findings.iter().any(|f| f.text.contains("times as wide along an axis at 90 degrees")));
+    let Content::Evaluable(completed) = &source.content else { panic!("a completion") };
+    let truth = model(ward);
+    let (mut off, mut all) = (0.0, 0.0);
+    for n in 0..500 {
+        let n = f64::from(n);
+        let pair = [70.0 * (0.618 * n).fract(), 70.0 * (0.37 * n).fract()];
+        let (wi, wo) = (direction(pair[0], 360.0 * (0.755 * n).fract()), direction(pair[1], 77.0 * n));
+        let [found, right] = [completed.as_ref(), truth.as_ref()].map(|brdf| brdf.evaluate(wi, wo)[1]);
+        off += (found - right) * (found - right);
+        all += right * right;
+    }
+    println!("{}", (off / all).sqrt());
+    assert!((off / all).sqrt() < 0.1, "{}", (off / all).sqrt());
     let same = read_text("turned.csv", &turned("model:ggx:alpha=0.1,f0=0.9"));
     assert!(!is_off(&quick_look(&same), Topic::Isotropy));
 }

@@ -143,7 +143,7 @@ fn of_samples(py: Python<'_>, name: &str, text: String) -> PyResult<Table> {
             let text = format!("{}; directions above the horizon are expected", intake.left_out_text());
             return Err(fault(ReadError::Content(text)));
         }
-        Source::of_samples(intake, name.as_ref(), name.to_owned(), String::new())
+        Source::of_samples(intake, name.to_owned(), String::new())
     };
     Ok(Table { source: error::work(py, make)?, origin: Origin::Samples(text) })
 }

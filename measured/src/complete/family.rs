@@ -101,10 +101,10 @@ pub(super) fn unseen(
     process: Option<(Kernel, f64)>,
 ) -> Option<[HeldOut; 2]> {
     let by_samples = (0..FOLDS).map(|part| (part, false));
-    let by_views = (1..measurement.views.saturating_sub(1)).map(|view| (view, true));
+    let by_views = (1..measurement.parts.saturating_sub(1)).map(|part| (part, true));
     let parts: Vec<(usize, bool)> = by_samples.chain(by_views).collect();
     let left_out = |(part, is_view): (usize, bool)| {
-        let is_out = |s: &Measured| if is_view { s.view == part } else { s.number % FOLDS == part };
+        let is_out = |s: &Measured| if is_view { s.part == part } else { s.number % FOLDS == part };
         let rest = measurement.only(|s| !is_out(s));
         let model = start.fitted_to(&rest, scale);
         let gone = measurement.samples.iter().filter(|s| is_out(s)).copied().collect();

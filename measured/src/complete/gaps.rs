@@ -2,6 +2,7 @@
 
 use crate::complete::tuning::gaps::{DIRECTIONS, MOST, NEAR, STEP};
 use crate::numeric::GOLDEN_ANGLE;
+use crate::row::Row;
 use crate::table::{Brdf, Table, direction};
 use serde_json::{Value, json};
 use std::f64::consts::PI;
@@ -15,6 +16,9 @@ pub struct Gaps {
     /// Whether it is of a table, which has values or has none.
     pub is_of_table: bool,
 }
+
+/// Turns of the sample that are looked at.
+const TURNS: usize = 8;
 
 /// Shares as people say them.
 const SHARES: [(f64, &str); 9] = [
@@ -144,6 +148,37 @@ pub(super) fn gaps(table: &Table) -> Gaps {
             empty += f64::from(u8::from(!near.iter().any(is_near)));
         }
         (degrees as f64, empty / all)
+    };
+    Gaps { shares: (0..90).step_by(STEP).map(share).collect(), is_of_table: false }
+}
+
+/// Looks where a surface that a turn changes has no samples, at several turns; `is_half`: half a turn leaves it as it is.
+pub(super) fn gaps_of_turned(rows: &[Row], is_half: bool) -> Gaps {
+    let every = rows.len().div_ceil(MOST).max(1);
+    let both = rows.iter().step_by(every).flat_map(|row| [[row.wi, row.wo], [row.wo, row.wi]]);
+    let pairs: Vec<[[f64; 3]; 2]> = both.collect();
+    let dot = |a: [f64; 3], b: [f64; 3]| (0..3).map(|k| a[k] * b[k]).sum::<f64>();
+    let turned = |d: [f64; 3]| [-d[0], -d[1], d[2]];
+    let near = libm::cos(NEAR);
+    let share = |degrees: usize| {
+        let mut empty = 0;
+        for n in 0..TURNS {
+            let wo = direction((degrees as f64).to_radians(), 2.0 * PI * n as f64 / TURNS as f64);
+            let mut around: Vec<[f64; 3]> =
+                pairs.iter().filter(|pair| dot(pair[1], wo) > near).map(|pair| pair[0]).collect();
+            if is_half {
+                let opposite = pairs.iter().filter(|pair| dot(turned(pair[1]), wo) > near);
+                around.extend(opposite.map(|pair| turned(pair[0])));
+            }
+            // Over the whole hemisphere.
+            let is_empty = |i: &usize| {
+                let [x, y, z] = spread(*i);
+                let d = if i % 2 == 0 { [x, y, z] } else { [x, -y, z] };
+                !around.iter().any(|s| dot(*s, d) > near)
+            };
+            empty += (0..DIRECTIONS).filter(is_empty).count();
+        }
+        (degrees as f64, empty as f64 / (TURNS * DIRECTIONS) as f64)
     };
     Gaps { shares: (0..90).step_by(STEP).map(share).collect(), is_of_table: false }
 }

@@ -1,55 +1,88 @@
 //! The predictions of a process on a grid, because a fit needs a million.
 
 use super::pair::{COORDINATES, Pair};
-use crate::complete::tuning::grid::NODES;
+use super::turn::Turn;
+use crate::complete::tuning::grid::{NODES, TURNED};
 use rayon::prelude::*;
-use std::f64::consts::FRAC_PI_2;
+use std::f64::consts::{FRAC_PI_2, PI};
 
 /// Values over pairs of directions, linear between nodes.
 pub(super) struct Grid {
     width: f64,
     /// Spread angle of the half vector at the last node.
     most: f64,
+    /// The turn of its coordinates, if there is one.
+    turn: Option<Turn>,
     values: Vec<[f64; 3]>,
+}
+
+fn part(n: usize, of: usize) -> f64 {
+    n as f64 / (of - 1) as f64
 }
 
 impl Grid {
     /// Of a function of a pair that is smooth in its coordinates.
-    pub fn new(width: f64, value: impl Fn(&Pair, &[f64; COORDINATES]) -> [f64; 3] + Sync) -> Self {
-        let most = libm::asinh(1.0 / width);
-        let [halves, differences, shares] = NODES;
-        let part = |n: usize, of: usize| n as f64 / (of - 1) as f64;
-        let node = |n: usize| {
-            let spread = most * part(n / (differences * shares), halves);
-            let half = libm::asin((width * libm::sinh(spread)).min(1.0));
+    pub fn new(
+        width: f64,
+        turn: Option<Turn>,
+        value: impl Fn(&Pair, &[f64; COORDINATES]) -> [f64; 3] + Sync,
+    ) -> Self {
+        let farthest = turn.map_or(1.0, |turn| turn.along.max(1.0 / turn.along));
+        let most = libm::asinh(farthest / width);
+        let lean = |n: usize, of: usize| width * libm::sinh(most * part(n, of));
+        let isotropic = |n: usize| {
+            let [halves, differences, shares] = NODES;
+            let half = libm::asin(lean(n / (differences * shares), halves).min(1.0));
             let difference = FRAC_PI_2 * part(n / shares % differences, differences);
-            let pair = Pair::from_angles(half, difference, part(n % shares, shares));
+            Pair::from_angles(half, difference, part(n % shares, shares))
+        };
+        let of_turn = |n: usize, turn: &Turn| {
+            let [halves, differences, ways, azimuths] = TURNED;
+            let (half, rest) = (n / (differences * ways * azimuths), n % (differences * ways * azimuths));
+            let difference = FRAC_PI_2 * part(rest / (ways * azimuths), differences);
+            let way = PI * (rest / azimuths % ways) as f64 / ways as f64;
+            let azimuth = turn.period() * (n % azimuths) as f64 / azimuths as f64;
+            let [wi, wo] = turn.directions(lean(half, halves), azimuth, difference, way);
+            Pair::turned(wi, wo, turn)
+        };
+        let count = if turn.is_some() { TURNED.iter().product::<usize>() } else { NODES.iter().product() };
+        let node = |n: usize| {
+            let pair = turn.map_or_else(|| isotropic(n), |turn| of_turn(n, &turn));
             value(&pair, &pair.coordinates(width))
         };
-        let values = (0..halves * differences * shares).into_par_iter().map(node).collect();
-        Self { width, most, values }
+        Self { width, most, turn, values: (0..count).into_par_iter().map(node).collect() }
     }
 
-    /// At a pair.
-    pub fn at(&self, pair: &Pair) -> [f64; 3] {
-        let places =
-            [pair.spread_half(self.width) / self.most, pair.difference() / FRAC_PI_2, pair.share_sideways()];
-        let mut first = 0;
-        let mut parts = [0.0; 3];
-        let mut steps = [0; 3];
-        for k in 0..3 {
-            let last = NODES[k] - 1;
+    /// At a pair of directions.
+    pub fn at(&self, pair: &Pair, wi: [f64; 3], wo: [f64; 3]) -> [f64; 3] {
+        let places = [pair.spread_half(self.width) / self.most, pair.difference() / FRAC_PI_2];
+        match &self.turn {
+            None => self.between(NODES, [places[0], places[1], pair.share_sideways()], 3),
+            Some(turn) => {
+                let [way, azimuth] = turn.angles(wi, wo);
+                let round = [way / PI, azimuth / turn.period()].map(|v| v - libm::floor(v));
+                self.between(TURNED, [places[0], places[1], round[0], round[1]], 2)
+            }
+        }
+    }
+
+    /// Linear between nodes; dimensions from `round` on go round.
+    fn between<const OF: usize>(&self, nodes: [usize; OF], places: [f64; OF], round: usize) -> [f64; 3] {
+        let mut parts = [0.0; OF];
+        let mut ends = [[0; 2]; OF];
+        for k in 0..OF {
+            let step: usize = nodes[k + 1..].iter().product();
+            let last = if k < round { nodes[k] - 1 } else { nodes[k] };
             let place = (places[k] * last as f64).clamp(0.0, last as f64);
             let node = (place as usize).min(last - 1);
             parts[k] = place - node as f64;
-            steps[k] = NODES[k + 1..].iter().product::<usize>();
-            first += node * steps[k];
+            ends[k] = [node * step, (node + 1) % nodes[k] * step];
         }
         let mut sum = [0.0; 3];
-        for corner in 0..8 {
+        for corner in 0..1 << OF {
             let side = |k: usize| corner >> k & 1;
-            let weight: f64 = (0..3).map(|k| if side(k) == 1 { parts[k] } else { 1.0 - parts[k] }).product();
-            let value = &self.values[first + (0..3).map(|k| side(k) * steps[k]).sum::<usize>()];
+            let weight: f64 = (0..OF).map(|k| if side(k) == 1 { parts[k] } else { 1.0 - parts[k] }).product();
+            let value = &self.values[(0..OF).map(|k| ends[k][side(k)]).sum::<usize>()];
             (0..3).for_each(|c| sum[c] += weight * value[c]);
         }
         sum

@@ -1,6 +1,6 @@
 //! The covariance of a Gaussian process.
 
-use super::pair::COORDINATES;
+use super::pair::{COORDINATES, ISOTROPIC};
 use crate::numeric::vector::{self, Operation, Vectors};
 
 /// How alike points are at a distance.
@@ -14,15 +14,15 @@ pub(super) struct Kernel {
 }
 
 impl Kernel {
-    /// Of points at `from` with one at `to`, coordinate by coordinate.
-    pub fn row(&self, from: &[Vec<f64>; COORDINATES], to: &[f64; COORDINATES], out: &mut [f64]) {
+    /// Of points at `from` with one at `to`, coordinate by coordinate: those of an isotropic surface, or all.
+    pub fn row(&self, from: &[Vec<f64>], to: &[f64; COORDINATES], out: &mut [f64]) {
         vector::run(Row { kernel: self, from, to, out });
     }
 }
 
 struct Row<'a> {
     kernel: &'a Kernel,
-    from: &'a [Vec<f64>; COORDINATES],
+    from: &'a [Vec<f64>],
     to: &'a [f64; COORDINATES],
     out: &'a mut [f64],
 }
@@ -32,13 +32,21 @@ impl Operation for Row<'_> {
 
     #[inline(always)]
     fn run<V: Vectors>(self, _: V) {
+        if self.from.len() == ISOTROPIC { self.of::<V, ISOTROPIC>() } else { self.of::<V, COORDINATES>() }
+    }
+}
+
+impl Row<'_> {
+    /// With the first so many coordinates.
+    #[inline(always)]
+    fn of<V: Vectors, const OF: usize>(self) {
         let Self { kernel, from, to, out } = self;
         let weights = kernel.lengths.map(|l| 5.0 / (l * l));
         let len = out.len();
-        let from = [&from[0][..len], &from[1][..len], &from[2][..len], &from[3][..len]];
+        let from: [&[f64]; OF] = std::array::from_fn(|k| &from[k][..len]);
         for n in 0..len {
             let mut r2 = 0.0f64;
-            for k in 0..COORDINATES {
+            for k in 0..OF {
                 let d = from[k][n] - to[k];
                 r2 = vector::fused(weights[k] * d, d, r2);
             }

@@ -2,6 +2,8 @@
 
 use super::color::xyz;
 use super::pair::Pair;
+use super::turn::Turn;
+use super::turned::Placed;
 use crate::complete::tuning::measurement::{DARK, LEAST_LEVEL, VIEWS_OF_PAIRS};
 use crate::table::{DARKEST, Table};
 use std::f64::consts::{FRAC_PI_2, PI};
@@ -16,6 +18,8 @@ pub(super) struct Measured {
     /// The view that it is of, and which of its samples it is.
     pub view: usize,
     pub number: usize,
+    /// The part that is left out with it: its view, or the turn of its sample.
+    pub part: usize,
     /// Weight of the squared difference of f that makes the squared relative L2 error of `f cos` of a view.
     pub relative: f64,
     /// Share of the projected solid angle of all views.
@@ -28,6 +32,8 @@ pub(super) struct Measurement {
     pub samples: Vec<Measured>,
     /// How many views there are.
     pub views: usize,
+    /// How many parts there are.
+    pub parts: usize,
     /// Mean radiance under a white sky, mean of the channels and views; 1/sr.
     pub level: f64,
     /// The value that a fifth of the samples are below, per channel.
@@ -48,13 +54,15 @@ impl Measurement {
                 value: xyz(s.rgb),
                 view,
                 number,
+                part: view,
                 relative: s.weight * s.direction[2] * s.direction[2],
                 even: s.weight * s.direction[2] / projected,
             }));
         }
         let albedos =
             table.views.iter().flat_map(|v| v.uncut_albedo).sum::<f64>() / 3.0 / table.views.len() as f64;
-        Self::of_samples(samples, table.views.len(), albedos / PI)
+        let views = table.views.len();
+        Self::of_samples(samples, [views; 2], albedos / PI)
     }
 
     /// Of pairs of directions: incident and outgoing one, in any frame with +z the normal, and f in linear sRGB.
@@ -66,15 +74,29 @@ impl Measurement {
             numbers[view] += 1;
             let (value, number) = (xyz(*rgb), numbers[view] - 1);
             let (relative, even) = (wi[2] * wi[2], 1.0 / pairs.len() as f64);
-            Measured { pair: Pair::new(*wi, *wo), value, view, number, relative, even }
+            Measured { pair: Pair::new(*wi, *wo), value, view, number, part: view, relative, even }
         };
         let samples: Vec<Measured> = pairs.iter().map(sample).collect();
         let level = samples.iter().map(|s| s.even * s.value.iter().sum::<f64>() / 3.0).sum();
-        Self::of_samples(samples, VIEWS_OF_PAIRS, level)
+        Self::of_samples(samples, [VIEWS_OF_PAIRS; 2], level)
+    }
+
+    /// Of samples of a turned surface, without a turn as if it were isotropic. Their numbers are those of the samples.
+    pub fn of_turned(placed: &[Placed], [views, parts]: [usize; 2], turn: Option<&Turn>) -> Self {
+        let even = 1.0 / placed.len() as f64;
+        let sample = |s: &Placed| {
+            let pair = turn.map_or_else(|| Pair::new(s.wi, s.wo), |turn| Pair::turned(s.wi, s.wo, turn));
+            let relative = s.moved * s.moved;
+            let Placed { view, part, number, .. } = *s;
+            Measured { pair, value: xyz(s.rgb), view, number, part, relative, even }
+        };
+        let samples: Vec<Measured> = placed.iter().map(sample).collect();
+        let level = samples.iter().map(|s| s.even * s.value.iter().sum::<f64>() / 3.0).sum();
+        Self::of_samples(samples, [views, parts], level)
     }
 
     /// With the numbers that depend on all samples; `relative` need not be over the norms of the views yet.
-    fn of_samples(mut samples: Vec<Measured>, views: usize, level: f64) -> Self {
+    fn of_samples(mut samples: Vec<Measured>, [views, parts]: [usize; 2], level: f64) -> Self {
         let mut norms = vec![0.0; views];
         for s in &samples {
             norms[s.view] += s.relative * s.value.iter().map(|v| v * v).sum::<f64>();
@@ -86,7 +108,7 @@ impl Measurement {
             values.sort_by(f64::total_cmp);
             values.get((DARK * values.len() as f64) as usize).copied().unwrap_or(0.0)
         });
-        Self { samples, views, level: level.max(LEAST_LEVEL * brightest), dark }
+        Self { samples, views, parts, level: level.max(LEAST_LEVEL * brightest), dark }
     }
 
     /// Whether no sample is bright enough for lobes to be stored.
@@ -100,7 +122,7 @@ impl Measurement {
         let (sum, all) = samples
             .iter()
             .fold((0.0, 0.0), |(a, b), s| (a + s.even * s.value.iter().sum::<f64>() / 3.0, b + s.even));
-        Self::of_samples(samples, self.views, sum / all.max(1e-300))
+        Self::of_samples(samples, [self.views, self.parts], sum / all.max(1e-300))
     }
 
     /// Every n-th sample, so that at most `most` are left.

@@ -105,7 +105,7 @@ impl Microfacet {
         x[SECOND_EXPONENT] = if family == Family::Retro { 1.0 } else { 0.0 };
         // As high as the sample that is nearest to its axis.
         let distance = |s: &Measured| {
-            if family == Family::Coat { s.pair.sin2_half } else { s.pair.sin2_difference }
+            if family == Family::Coat { s.pair.lean2[1] } else { s.pair.sin2_difference }
         };
         let nearest = measurement.samples.iter().min_by(|a, b| distance(a).total_cmp(&distance(b)));
         let start = nearest.map_or(0.0, |s| {
@@ -123,7 +123,12 @@ impl Microfacet {
 
     /// The same family, fitted from here to other samples.
     pub fn fitted_to(&self, measurement: &Measurement, scale: Scale) -> Self {
-        moved(&Fit::new(measurement, scale, self.family(), None), self.unknowns, REFINED).1
+        self.moved_to(measurement, scale).1
+    }
+
+    /// The same, with the sum of squares.
+    pub fn moved_to(&self, measurement: &Measurement, scale: Scale) -> (f64, Self) {
+        moved(&Fit::new(measurement, scale, self.family(), None), self.unknowns, REFINED)
     }
 
     /// Moved to where the residual of the logarithms is likeliest, if it is a process whose matrix has that factor. The model has
@@ -241,17 +246,17 @@ impl Values {
     fn with_slopes(&self, pair: &Pair) -> ([f64; 3], [[f64; OF_A_CHANNEL]; 3]) {
         let [ci, co] = pair.cosines.map(|c| c.max(HORIZON));
         let squared = pair.cos_half.max(HORIZON).powi(2);
-        let tangent2 = pair.sin2_half / squared;
+        let [tangent2, of_second] = pair.lean2.map(|lean2| lean2 / squared);
         let schlick = (1.0 - pair.cos_difference).powi(5);
         let narrowing = 1.0 / (squared * squared * 4.0 * ci * co);
 
         // Hidden by other facets: Smith's function less 1, and its derivative by the logarithm of the width.
-        let hidden = |c: f64| {
-            let tangent = self.width * self.width * (1.0 - c * c).max(0.0) / (c * c);
+        let hidden = |c: f64, across2: f64| {
+            let tangent = self.width * self.width * across2 / (c * c);
             let root = libm::sqrt(1.0 + tangent);
             (0.5 * (root - 1.0), 0.5 * tangent / root)
         };
-        let (of_incident, of_outgoing) = (hidden(ci), hidden(co));
+        let (of_incident, of_outgoing) = (hidden(ci, pair.across2[0]), hidden(co, pair.across2[1]));
         let seen = 1.0 / (1.0 + of_incident.0 + of_outgoing.0);
         let [many, by_width, by_exponent] =
             facets(tangent2 / (self.width * self.width), self.exponent).map(|v| v * narrowing * seen);
@@ -260,7 +265,7 @@ impl Values {
         let second = match self.family {
             Family::OneLobe => [0.0; 3],
             Family::Coat => {
-                let distance = tangent2 / (self.second_width * self.second_width);
+                let distance = of_second / (self.second_width * self.second_width);
                 facets(distance, self.second_exponent).map(|v| v * narrowing)
             }
             Family::Retro => {

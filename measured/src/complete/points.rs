@@ -34,11 +34,11 @@ pub(super) fn points(measurement: &Measurement, model: &Microfacet, scale: Scale
 
 /// A point for each sample.
 pub(super) fn each(measurement: &Measurement, model: &Microfacet, scale: Scale, width: f64) -> Vec<Point> {
-    let wide = measurement.views.div_ceil(BANDS);
+    let wide = measurement.parts.div_ceil(BANDS);
     let point = |s: &Measured| {
         let base = model.value(&s.pair).map(|v| scale.to(v));
         let above = [0, 1, 2].map(|c| scale.to(s.value[c]) - base[c]);
-        let (at, band) = (s.pair.coordinates(width), s.view / wide);
+        let (at, band) = (s.pair.coordinates(width), s.part / wide);
         Point {
             at,
             base,

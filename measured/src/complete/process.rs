@@ -4,7 +4,7 @@
 //! inverse `P` of the matrix, `y - P_gg^-1 (P y)_g`.
 
 use super::kernel::Kernel;
-use super::pair::COORDINATES;
+use super::pair::{COORDINATES, ISOTROPIC};
 use super::points::Point;
 use crate::numeric::cholesky::Square;
 use crate::numeric::vector;
@@ -67,16 +67,18 @@ pub(super) fn factor(points: &[Point], kernel: Kernel, noise: &[f64], of: Of) ->
     matrix.cholesky()
 }
 
-/// Coordinates of points, one after the other.
-fn columns(points: &[Point]) -> [Vec<f64>; COORDINATES] {
-    [0, 1, 2, 3].map(|k| points.iter().map(|p| p.at[k]).collect())
+/// Coordinates of points, one after the other: those of an isotropic surface, or all where a turn changes some.
+fn columns(points: &[Point]) -> Vec<Vec<f64>> {
+    let is_turned = points.iter().any(|p| p.at[ISOTROPIC..].iter().any(|v| *v != 0.0));
+    let count = if is_turned { COORDINATES } else { ISOTROPIC };
+    (0..count).map(|k| points.iter().map(|p| p.at[k]).collect()).collect()
 }
 
 /// A process that has seen its points.
 pub(super) struct Process {
     kernel: Kernel,
     /// Coordinates of the points.
-    at: [Vec<f64>; COORDINATES],
+    at: Vec<Vec<f64>>,
     /// Of every channel, the solution of the points' values.
     solution: [Vec<f64>; 3],
     /// The same times how much each point varies.

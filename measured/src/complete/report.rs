@@ -4,6 +4,7 @@ use super::gaps::Gaps;
 use super::held_out::HeldOut;
 use super::microfacet::Family;
 use super::robust::Outlier;
+use super::turn::Turn;
 use serde_json::{Value, json};
 
 /// The report of a completion.
@@ -33,6 +34,8 @@ pub struct CompletionReport {
     pub views_left_out: Option<HeldOut>,
     /// Errors of the model alone, at the samples.
     pub model_alone: HeldOut,
+    /// The axis of a surface that a turn changes.
+    pub turn: Option<Turn>,
     /// Where there are no samples.
     pub gaps: Gaps,
 }
@@ -50,6 +53,11 @@ impl CompletionReport {
             "outliers": self.outliers.iter().map(outlier).collect::<Vec<_>>(),
             "albedo_before_cap": self.albedo.iter().map(albedo).collect::<Vec<_>>(),
             "model": {"family": self.family.name(), "width": self.width, "exponent": self.exponent},
+            "turn": self.turn.map(|turn| json!({
+                "axis_degrees": turn.axis.to_degrees(),
+                "wider_along": turn.along * turn.along,
+                "symmetry": turn.kept.text(),
+            })),
             "lengths": self.lengths,
             "noise": self.noise,
             "samples_left_out": held_out(&self.samples_left_out),

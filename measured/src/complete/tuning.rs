@@ -17,12 +17,23 @@ pub(crate) mod choice {
     pub const OF_MODEL: usize = 4000;
     /// A kernel without terms of one coordinate alone.
     pub const TOGETHER: [(f64, f64); 3] = [(0.0, 1.0); 3];
+    /// Lengths of the four coordinates that a turn of the sample adds: twice the azimuth of the half vector, and of the way between
+    /// both directions.
+    pub const OF_TURN: [f64; 4] = [1.0, 1.0, 1.5, 1.5];
+    /// Those of a kernel that are not the turn's.
+    const fn lengths([a, b, c, d]: [f64; 4]) -> [f64; 8] {
+        [a, b, c, d, OF_TURN[0], OF_TURN[1], OF_TURN[2], OF_TURN[3]]
+    }
     /// Kernels that are tried, from short to long; the third has terms of one coordinate alone.
     pub const KERNELS: [Kernel; 4] = [
-        Kernel { alone: TOGETHER, joint: 1.0, lengths: [1.0, 0.8, 0.8, 2.0] },
-        Kernel { alone: TOGETHER, joint: 3.0, lengths: [2.0, 1.2, 1.2, 3.0] },
-        Kernel { alone: [(0.3, 0.5), (0.1, 0.4), (0.1, 0.3)], joint: 3.0, lengths: [2.0, 1.2, 1.2, 3.0] },
-        Kernel { alone: TOGETHER, joint: 3.0, lengths: [2.0, 2.0, 2.0, 3.0] },
+        Kernel { alone: TOGETHER, joint: 1.0, lengths: lengths([1.0, 0.8, 0.8, 2.0]) },
+        Kernel { alone: TOGETHER, joint: 3.0, lengths: lengths([2.0, 1.2, 1.2, 3.0]) },
+        Kernel {
+            alone: [(0.3, 0.5), (0.1, 0.4), (0.1, 0.3)],
+            joint: 3.0,
+            lengths: lengths([2.0, 1.2, 1.2, 3.0]),
+        },
+        Kernel { alone: TOGETHER, joint: 3.0, lengths: lengths([2.0, 2.0, 2.0, 3.0]) },
     ];
     /// Variances of the noise of a sample that are tried, on the scale.
     pub const NOISES: [f64; 2] = [1e-2, 1e-3];
@@ -91,6 +102,8 @@ pub(crate) mod gaps {
 pub(crate) mod grid {
     /// Nodes over the spread angle of the half vector, the angle from it to a direction, and the sideways share.
     pub const NODES: [usize; 3] = [64, 32, 6];
+    /// The same where a turn changes values: the last two are azimuths, of the way between both directions and of the half vector.
+    pub const TURNED: [usize; 4] = [40, 20, 12, 16];
 }
 
 /// Heights beyond the samples.
@@ -227,4 +240,29 @@ pub(crate) mod robust {
 pub(crate) mod scale {
     /// Share of the mean radiance up to which the scale is linear.
     pub const FLOOR: f64 = 0.02;
+}
+
+/// The axis of a surface that a turn changes.
+pub(crate) mod turned {
+    /// Samples of the first search, and of later ones.
+    pub const SAMPLES: [usize; 2] = [500, 1500];
+    /// Axes of the first search over half a turn.
+    pub const AXES: usize = 12;
+    /// Stretches along them of the first search.
+    pub const STRETCHES: [f64; 2] = [1.25, 2.0];
+    /// Greatest stretch: highlights 25 times as long as wide.
+    pub const MOST: f64 = 5.0;
+    /// First steps of later searches: axis, radians, and logarithm of the stretch. The last ones are a hundredth of them.
+    pub const STEPS: [f64; 2] = [0.12, 0.2];
+    /// Share of the sum of squares below which a second lobe tells the axis too.
+    pub const SECOND: f64 = 0.9;
+    /// Samples by which symmetries, and a turn against none, are compared.
+    pub const COMPARED: usize = 900;
+    /// Share of the error at left-out samples below which a symmetry is broken.
+    pub const BROKEN: f64 = 0.93;
+    /// Share of the error at left-out samples and turns below which a turn changes something.
+    pub const WORTHWHILE: f64 = 0.9;
+    /// Most views by the angle of the outgoing direction, and most turns.
+    pub const VIEWS: usize = 64;
+    pub const TURNS: usize = 12;
 }

@@ -115,7 +115,7 @@ enum Rows<'a> {
 struct Numbers {
     line: usize,
     /// Of the directions, as [`Geometry`] takes them.
-    directions: [f64; 6],
+    directions: [f64; geometry::NUMBERS],
     values: Vec<f64>,
 }
 
@@ -269,7 +269,8 @@ impl Parsing<'_> {
         // A separator at the end of a line makes an empty column more.
         let count = cells.len() - cells.iter().rev().take_while(|cell| cell.is_empty()).count();
         let last = self.places.iter().copied().max().unwrap_or(0);
-        let needed = 1 + last.max(geometry::last_column(&self.directions));
+        let turn = self.columns.turn.map_or(0, |turn| turn.0);
+        let needed = 1 + last.max(turn).max(geometry::last_column(&self.directions));
         let is_remark = |cell: &&str| is_comment(cell) && Cell::of(cell) == Cell::Odd;
         let numbers = cells.len() - cells.iter().skip(needed).skip_while(|cell| !is_remark(cell)).count();
         let count = count.min(numbers);
@@ -320,8 +321,9 @@ impl Parsing<'_> {
                 shortened(&names[place])
             ),
         };
-        let mut directions = [0.0; 6];
-        for (at, place) in geometry::places(&self.directions).into_iter().enumerate() {
+        let mut directions = [0.0; geometry::NUMBERS];
+        let turn = self.columns.turn.map(|turn| turn.0);
+        for (at, place) in geometry::places(&self.directions, turn).into_iter().enumerate() {
             directions[at] = match place {
                 None => continue,
                 Some(columns::Place::Constant(number)) => number,
@@ -391,7 +393,7 @@ impl Parsing<'_> {
             columns::Place::Column(n) => cells.get(n),
             columns::Place::Constant(_) => None,
         };
-        let directions = || geometry::places(&self.directions).into_iter().flatten().filter_map(column);
+        let directions = || geometry::places(&self.directions, None).into_iter().flatten().filter_map(column);
         let values = || self.places.iter().filter_map(|n| cells.get(*n));
         let is_short = cells.len() < needed;
         let has_number = directions().any(|cell| matches!(Cell::of(cell), Cell::Number(_)));
@@ -431,7 +433,7 @@ impl Parsing<'_> {
 
     /// Whether a row is one of units, below the names: words in place of numbers.
     fn is_units(&self, cells: &[&str]) -> bool {
-        let places = geometry::places(&self.directions);
+        let places = geometry::places(&self.directions, None);
         let cell = |place: &columns::Place| match place {
             columns::Place::Column(place) => cells.get(*place).copied(),
             columns::Place::Constant(_) => None,

@@ -1,8 +1,8 @@
 //! Readers of what optics programs call BSDF data: a grid of scatter angles for each angle of incidence.
 //!
-//! Zemax (`PlaneSymmetrical`, `Asymmetrical`): scatter angles are a radius and an azimuth about the mirror direction, azimuth 0 towards
-//! the normal. LightTools: angles from the normal, the light at an azimuth of 90 degrees. Both state the total share of the light that is
-//! scattered (TIS), which is kept to be compared with.
+//! Zemax (`PlaneSymmetrical`, `Asymmetrical`, `Asymmetrical4D`): scatter angles are a radius and an azimuth about the mirror direction,
+//! azimuth 0 towards the normal. LightTools: angles from the normal, the light at an azimuth of 90 degrees. Both state the total share of
+//! the light that is scattered (TIS), which is kept to be compared with. Of a sample that was turned there is a grid for each turn.
 
 use super::conventions::Conventions;
 use super::intake::{Intake, Reading};
@@ -11,6 +11,7 @@ use super::spectrum::rgb_of_xyz;
 use super::words::Words;
 use crate::ReadError;
 use crate::file::decode::decode;
+use crate::row::turned_back;
 use crate::table::direction;
 use std::f64::consts::PI;
 
@@ -69,6 +70,21 @@ impl Head {
         if self.content == "XYZ" { 3 } else { 1 }
     }
 
+    /// The directions of a value of a LightTools table. The light is at an azimuth of 90 degrees in the frame of the scatter angles, which
+    /// turns with the plane of incidence or not; `None` where there is one plane alone.
+    fn pair(&self, part: &LightToolsTable, at: usize, frame: Option<bool>) -> [[f64; 3]; 2] {
+        let (azimuth, radial) =
+            (self.azimuths[at / self.radials.len()], self.radials[at % self.radials.len()]);
+        let wi = direction(part.incidence.to_radians(), PI / 2.0);
+        let wo = direction(radial.to_radians(), azimuth.to_radians());
+        let turned = |d| turned_back(d, -part.plane.to_radians());
+        match frame {
+            None => [wi, wo],
+            Some(true) => [turned(wi), turned(wo)],
+            Some(false) => [turned(wi), wo],
+        }
+    }
+
     fn values(&self, words: &mut Words<'_>) -> Result<Vec<(usize, f64)>, ReadError> {
         let count = self.azimuths.len().saturating_mul(self.radials.len());
         if count > 10_000_000 {
@@ -86,63 +102,82 @@ pub fn zemax(bytes: &[u8], conventions: &Conventions) -> Result<Intake, ReadErro
     let text = decode(bytes)?;
     let mut words = Words::new(&text, &["#", "!"]);
     let head = Head::read(&mut words)?;
-    if !matches!(head.symmetry.as_str(), "PlaneSymmetrical" | "ASymmetrical" | "Asymmetrical") {
+    const SYMMETRIES: [&str; 4] =
+        ["PlaneSymmetrical", "Asymmetrical", "Asymmetrical4D", "PlaneSymmetrical4D"];
+    if !SYMMETRIES.iter().any(|known| known.eq_ignore_ascii_case(&head.symmetry)) {
         return fail(format!(
-            "Zemax BSDF of symmetry `{}`: PlaneSymmetrical and Asymmetrical are read; of more than one rotation of the sample, an \
-             isotropic fit would be wrong",
+            "Zemax BSDF of symmetry `{}`: PlaneSymmetrical, Asymmetrical and Asymmetrical4D are read",
             head.symmetry
         ));
     }
-    let is_turned = |angle: &f64| libm::remainder(angle - head.rotations[0], 360.0).abs() > 1e-6;
-    if head.rotations.iter().any(is_turned) {
-        return fail(format!(
-            "{} rotations of the sample: only one is read, an isotropic surface",
-            head.rotations.len()
-        ));
-    }
+    let first = head.rotations.first().copied().unwrap_or(0.0);
+    let is_turned = |angle: &f64| libm::remainder(angle - first, 360.0).abs() > 1e-6;
+    let is_turned = head.rotations.iter().any(is_turned);
+    let rotations = if is_turned { head.rotations.clone() } else { vec![first] };
     if head.incidence.is_empty() {
         return fail("AngleOfIncidence has to name angles before DataBegin");
     }
     let mut reading = Reading::new("Zemax BSDF", conventions);
     let is_transmission = head.scatter == "BTDF";
     let mut tables: Vec<Vec<Vec<(usize, f64)>>> = Vec::new();
+    let mut totals = Vec::new();
     for channel in 0..head.channels() {
         // The head ends where the table of the first channel begins.
         if channel > 0 {
             next_channel(&mut words)?;
         }
         let mut of_channel = Vec::new();
-        for &incidence in &head.incidence {
+        // The angle of incidence is faster than the rotation of the sample.
+        for _ in 0..rotations.len() * head.incidence.len() {
             match words.word("TIS")? {
                 "TIS" => {}
                 other => return Err(words.odd(other, "TIS, one for each angle of incidence")),
             }
             let total = words.number("a share of the light")?;
             if channel + 1 == head.channels().min(2) {
-                reading.state(incidence, total);
+                totals.push(total);
             }
             of_channel.push(head.values(&mut words)?);
         }
         tables.push(of_channel);
     }
     for (a, &incidence) in head.incidence.iter().enumerate() {
+        let of: Vec<f64> = totals.iter().skip(a).step_by(head.incidence.len()).copied().collect();
+        reading.state(incidence, of.iter().sum::<f64>() / of.len() as f64);
+    }
+    if is_turned {
+        reading.note(format!(
+            "{} rotations of the sample, taken as turns anticlockwise as seen from above: azimuths are counted from the sample",
+            rotations.len()
+        ));
+    }
+    for (n, (&rotation, &incidence)) in
+        rotations.iter().flat_map(|r| head.incidence.iter().map(move |i| (r, i))).enumerate()
+    {
+        // A whole turn says again what the first said.
+        let is_again = |before: &f64| libm::remainder(rotation - before, 360.0).abs() < 1e-6;
+        if rotations[..n / head.incidence.len()].iter().any(is_again) {
+            continue;
+        }
         let theta = incidence.to_radians();
-        for (at, &(line, _)) in tables[0][a].iter().enumerate() {
+        for (at, &(line, _)) in tables[0][n].iter().enumerate() {
             if is_transmission {
                 reading.leave_out(Reason::Transmission, line);
                 continue;
             }
             let (azimuth, radial) =
                 (head.azimuths[at / head.radials.len()], head.radials[at % head.radials.len()]);
-            let cells: Vec<f64> = tables.iter().map(|channel| channel[a][at].1).collect();
+            // The mirror direction is one sample, and the last azimuth may be the first again.
+            let is_first = at < head.radials.len();
+            let is_copy = radial == 0.0 || libm::remainder(azimuth - head.azimuths[0], 360.0).abs() < 1e-6;
+            if is_turned && is_copy && !is_first {
+                continue;
+            }
+            let cells: Vec<f64> = tables.iter().map(|channel| channel[n][at].1).collect();
             let rgb = if let [x, y, z] = cells[..] { rgb_of_xyz([x, y, z]) } else { [cells[0]; 3] };
-            push(
-                &mut reading,
-                line,
-                [direction(theta, PI), about_mirror(theta, radial, azimuth)],
-                rgb,
-                &cells,
-            );
+            let pair = [direction(theta, PI), about_mirror(theta, radial, azimuth)];
+            let pair = if is_turned { pair.map(|d| turned_back(d, rotation.to_radians())) } else { pair };
+            push(&mut reading, line, pair, rgb, &cells);
         }
     }
     reading.finish()
@@ -221,25 +256,35 @@ pub fn lighttools(bytes: &[u8], conventions: &Conventions) -> Result<Intake, Rea
     if back > 0 {
         reading.note(format!("{back} values of the back of the sample are not read"));
     }
-    if parts.iter().any(|part| libm::remainder(part.plane - parts[0].plane, 360.0).abs() > 1e-6) {
-        return fail(
-            "more than one plane of incidence: the sample was turned, and only isotropic surfaces are read",
-        );
+    let is_turned = |part: &LightToolsTable| libm::remainder(part.plane - parts[0].plane, 360.0).abs() > 1e-6;
+    let is_turned = parts.iter().any(is_turned);
+    // Scatter azimuths may be counted from the plane of incidence or from the sample: where light is scattered to tells.
+    let brightness = |is_of_plane: bool| {
+        let of = |part: &LightToolsTable| {
+            let each = part.values.iter().enumerate().filter(|v| v.1.1 > 0.0);
+            each.map(|(at, (_, value))| {
+                let [wi, wo] = head.pair(part, at, Some(is_of_plane));
+                value * (wi[2] * wo[2] - wi[0] * wo[0] - wi[1] * wo[1])
+            })
+            .sum::<f64>()
+        };
+        parts.iter().map(of).sum::<f64>()
+    };
+    let frame = is_turned.then(|| brightness(true) >= brightness(false));
+    if let Some(is_of_plane) = frame {
+        reading.note(format!(
+            "there is more than one plane of incidence: by where light is scattered to, scatter azimuths are counted from {}",
+            if is_of_plane { "that plane" } else { "the sample" }
+        ));
     }
     for part in parts.chunks(head.channels()).filter(|part| part.len() == head.channels()) {
         let first = &part[0];
         let total = part[part.len() / 2].total;
         reading.state(first.incidence, total);
         for (at, &(line, _)) in first.values.iter().enumerate() {
-            let (azimuth, radial) =
-                (head.azimuths[at / head.radials.len()], head.radials[at % head.radials.len()]);
             let cells: Vec<f64> = part.iter().map(|channel| channel.values[at].1).collect();
             let rgb = if let [x, y, z] = cells[..] { rgb_of_xyz([x, y, z]) } else { [cells[0]; 3] };
-            // The light is at an azimuth of 90 degrees in the frame of the scatter angles.
-            let pair = [
-                direction(first.incidence.to_radians(), PI / 2.0),
-                direction(radial.to_radians(), azimuth.to_radians()),
-            ];
+            let pair = head.pair(first, at, frame);
             push(&mut reading, line, pair, rgb, &cells);
         }
     }
@@ -304,9 +349,9 @@ mod tests {
     #[test]
     fn damage_and_what_is_not_read_is_said() {
         for (from, to, word) in [
-            ("PlaneSymmetrical", "ASymmetrical4D", "PlaneSymmetrical"),
+            ("PlaneSymmetrical", "Symmetrical5D", "PlaneSymmetrical"),
             ("Monochrome\nScatterType", "Spectral\nScatterType", "SpectralContent"),
-            ("SampleRotation 1\n0", "SampleRotation 2\n0 90", "rotations"),
+            ("SampleRotation 1\n0", "SampleRotation 2\n0 90", "TIS, one for each"),
             ("AngleOfIncidence 3", "AngleOfIncidence 999999999", "how many angles"),
             ("TIS 0.5", "TOS 0.5", "TIS"),
             ("ScatterType BRDF", "ScatterType BTDF", "transmission"),
@@ -318,6 +363,41 @@ mod tests {
         let text = zemax_text();
         for cut in (0..text.len() - 30).step_by(7) {
             assert!(zemax(&text.as_bytes()[..cut], &Conventions::default()).is_err(), "{cut}");
+        }
+    }
+
+    #[test]
+    fn a_rotation_of_the_sample_turns_both_directions_back() {
+        let text = zemax_text().replace("SampleRotation 1\n0", "SampleRotation 3\n0 90 360");
+        let body = text[text.find("TIS").unwrap()..text.find("DataEnd").unwrap()].to_owned();
+        let text = text.replace("DataEnd", &(body.repeat(2) + "DataEnd"));
+        let intake = zemax(text.as_bytes(), &Conventions::default()).unwrap();
+        // A whole turn is the first again, and the mirror direction is one sample.
+        let once = 26 - 2 * 3;
+        assert_eq!(intake.rows.len(), 2 * once);
+        for (a, b) in intake.rows[..once].iter().zip(&intake.rows[once..]) {
+            let turned = |d: [f64; 3]| [d[1], -d[0], d[2]];
+            let is_close = |a: [f64; 3], b: [f64; 3]| (0..3).all(|k| (a[k] - b[k]).abs() < 1e-12);
+            assert!(is_close(turned(a.wi), b.wi) && is_close(turned(a.wo), b.wo), "{a:?} {b:?}");
+        }
+        assert_eq!(intake.stated.len(), 3);
+    }
+
+    #[test]
+    fn planes_of_incidence_of_lighttools_turn_the_light() {
+        let head = "Symmetry Asymmetric\nSpectralContent Monochrome\nScatterAzimuth 4\n0 90 180 270\nScatterRadial 2\n0 30\nDataBegin\n";
+        let block = |plane: &str, values: &str| {
+            format!("AOI 30\nPOI {plane}\nSide Front\nWavelength 550\nScatterType BRDF\nTIS .3\n{values}\n")
+        };
+        let of_plane = ".1 .1 .1 .1 .1 .1 .1 .9";
+        for (second, from) in [(of_plane, "that plane"), (".1 .9 .1 .1 .1 .1 .1 .1", "the sample")] {
+            let text = head.to_owned() + &block("0", of_plane) + &block("90", second) + "DataEnd\n";
+            let intake = lighttools(text.as_bytes(), &Conventions::default()).unwrap();
+            assert!(intake.notes.iter().any(|note| note.text.contains(from)), "{from}: {:?}", intake.notes);
+            for row in intake.rows.iter().filter(|row| row.rgb[0] > 0.5) {
+                let mirror = [-row.wi[0], -row.wi[1], row.wi[2]];
+                assert!((0..3).all(|k| (mirror[k] - row.wo[k]).abs() < 1e-9), "{row:?}");
+            }
         }
     }
 

@@ -12,6 +12,7 @@ use super::wavelengths::Wavelengths;
 use super::words::Words;
 use crate::ReadError;
 use crate::file::decode::{decode, shortened};
+use crate::row::turned_back;
 use crate::table::{direction, luminance};
 use std::f64::consts::PI;
 
@@ -144,10 +145,10 @@ impl Head {
     }
 }
 
-/// Parses the bytes of an `.anisotropicbsdf` file of an isotropic surface.
+/// Parses the bytes of an `.anisotropicbsdf` file.
 ///
 /// # Errors
-/// [`ReadError`] with the fault, and for more than one angle of anisotropy.
+/// [`ReadError`] with the fault.
 pub fn anisotropic(bytes: &[u8], conventions: &Conventions) -> Result<Intake, ReadError> {
     let text = decode(bytes)?;
     let (head, mut words) = Head::split(&text, true)?;
@@ -172,31 +173,31 @@ pub fn anisotropic(bytes: &[u8], conventions: &Conventions) -> Result<Intake, Re
     for list in &lists {
         tables.push(list.iter().map(|_| Grid::read_front(&mut words)).collect::<Result<_, ReadError>>()?);
     }
+    let is_again = |n: usize, m: usize| libm::remainder(angles[n] - angles[m], 360.0).abs() < 1e-6;
     let is_same = |n: usize| {
-        let is_angle = libm::remainder(angles[n] - angles[0], 360.0).abs() < 1e-6;
-        lists[n] == lists[0] && (is_angle || tables[n].iter().zip(&tables[0]).all(|(a, b)| a.is_same(b)))
+        lists[n] == lists[0]
+            && (is_again(n, 0) || tables[n].iter().zip(&tables[0]).all(|(a, b)| a.is_same(b)))
     };
-    if !(1..turns).all(is_same) {
-        return fail(format!(
-            "SPEOS .anisotropicbsdf of {turns} angles of the sample: only one is read, an isotropic surface"
+    let is_turned = !(1..turns).all(is_same);
+    if is_turned {
+        reading.note(format!(
+            "{turns} angles of the sample, taken as azimuths of the plane of incidence: azimuths are counted from the sample"
         ));
-    }
-    if turns > 1 {
+    } else if turns > 1 {
         reading.note(format!("the {turns} angles of the sample are one: their tables are the same, or they are a whole turn apart"));
     }
-    let (Some(incidence), Some(tables)) = (lists.first(), tables.into_iter().next()) else {
-        return fail("SPEOS .anisotropicbsdf without an angle of the sample");
+    let used: Vec<usize> = match is_turned {
+        true => (0..turns).filter(|n| !(0..*n).any(|m| is_again(*n, m))).collect(),
+        false => (0..turns.min(1)).collect(),
     };
+    if used.is_empty() {
+        return fail("SPEOS .anisotropicbsdf without an angle of the sample");
+    }
     let (colour, values) = colour(&spectrum, &mut reading)?;
-    let grids: Vec<Grid> = tables
-        .into_iter()
-        .map(|mut grid| {
-            if !head.is_bsdf {
-                grid.divide_by_cosine();
-            }
-            grid
-        })
-        .collect();
+    if !head.is_bsdf {
+        tables.iter_mut().flatten().for_each(Grid::divide_by_cosine);
+    }
+    let (incidence, grids) = (&lists[0], &tables[0]);
     // All tables share one scale, with which the one of the reference reflects as the spectrum says.
     let near = |n: &usize| (incidence[*n] - reference).abs();
     let Some(of) = (0..grids.len()).min_by(|a, b| near(a).total_cmp(&near(b))) else {
@@ -212,11 +213,14 @@ pub fn anisotropic(bytes: &[u8], conventions: &Conventions) -> Result<Intake, Re
         "values are scaled to reflect {mean:.3} of the light at {} degrees, as the file says",
         incidence[of]
     ));
-    for (theta_i, grid) in incidence.iter().zip(&grids) {
-        push(&mut reading, *theta_i, grid, &mut |v| {
-            let spectrum = values.iter().map(|share| share * v / integral).collect();
-            (colour.map(|c| c * v / integral), v, spectrum)
-        });
+    for n in used {
+        let turn = if is_turned { angles[n].to_radians() } else { 0.0 };
+        for (theta_i, grid) in lists[n].iter().zip(&tables[n]) {
+            push(&mut reading, (*theta_i, turn), grid, &mut |v| {
+                let spectrum = values.iter().map(|share| share * v / integral).collect();
+                (colour.map(|c| c * v / integral), v, spectrum)
+            });
+        }
     }
     reading.finish()
 }
@@ -237,7 +241,7 @@ fn colour(spectrum: &[[f64; 2]], reading: &mut Reading) -> Result<([f64; 3], Vec
 /// Adds the samples of a table, but those of the horizon and behind.
 fn push(
     reading: &mut Reading,
-    theta_i: f64,
+    (theta_i, turn): (f64, f64),
     grid: &Grid,
     value: &mut dyn FnMut(f64) -> ([f64; 3], f64, Vec<f64>),
 ) {
@@ -250,6 +254,7 @@ fn push(
             let (rgb, cell, spectrum) = value(grid.values[t * count + p]);
             let pair =
                 [direction(theta_i.to_radians(), 0.0), direction(theta.to_radians(), phi.to_radians() + PI)];
+            let pair = if turn == 0.0 { pair } else { pair.map(|d| turned_back(d, -turn)) };
             reading.push_spectrum(*line, pair, rgb, [&[cell], &spectrum]);
         }
     }
@@ -393,7 +398,7 @@ mod tests {
         assert_eq!(spectrum("1\n905 50\n").unwrap().text(), "905 nm");
         let found = spectrum("3\n450 20\n550 40\n650 60\n").unwrap();
         assert!(!found.is_grey && found.errors.error < 1e-3, "{:?}", found.errors);
-        // Two angles of the sample: tables that differ are refused, a whole turn and equal tables are one.
+        // Two angles of the sample: tables that differ are turned, a whole turn and equal tables are one.
         let both = |angles: &str, second: &str| {
             head("Anisotropic BSDF surface file v8.0")
                 + &format!("0 1 0\n1 0\n1\n2\n{angles}\n1\n20\n1\n20\n20 0\n\n2\n350 50\n850 50\n")
@@ -402,7 +407,11 @@ mod tests {
         };
         let parse = |text: &str| anisotropic(text.as_bytes(), &Conventions::default());
         let other = grid(7.0).replace("30\t7", "30\t9");
-        assert!(parse(&both("0 90", &other)).unwrap_err().to_string().contains("isotropic"));
+        let turned = parse(&both("0 90", &other)).unwrap().rows;
+        assert_eq!(turned.len(), 14);
+        for (a, b) in turned[..7].iter().zip(&turned[7..]) {
+            assert!((a.wi[0] - b.wi[1]).abs() < 1e-12 && (a.wi[1] + b.wi[0]).abs() < 1e-12, "{a:?} {b:?}");
+        }
         assert_eq!(parse(&both("0 90", &grid(7.0))).unwrap().rows.len(), 7);
         assert_eq!(parse(&both("0 360", &other)).unwrap().rows.len(), 7);
         let behind =

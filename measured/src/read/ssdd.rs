@@ -12,6 +12,7 @@ use super::wavelengths::Wavelengths;
 use crate::ReadError;
 use crate::file::decode::{decode, shortened};
 use crate::file::rows::numbers;
+use crate::row::turned_back;
 use crate::table::direction;
 use std::f64::consts::PI;
 
@@ -108,11 +109,6 @@ pub fn parse(bytes: &[u8], conventions: &Conventions) -> Result<Intake, ReadErro
 impl SsddBlock {
     /// How many lines its table has.
     fn rows(&self) -> Result<usize, ReadError> {
-        if self.lists[1].len() > 1 {
-            return fail(
-                "SSDD of more than one azimuth of incidence (PARAM1_LIST): only isotropic surfaces are read",
-            );
-        }
         let count = self.lists.iter().fold(1usize, |n, list| n.saturating_mul(list.len().max(1)));
         if count > 10_000_000 { fail(format!("SSDD table of {count} lines")) } else { Ok(count) }
     }
@@ -133,6 +129,10 @@ impl SsddBlock {
             "monochrome" => 1,
             _ => 3,
         };
+        if self.lists[1].len() > 1 {
+            let planes = self.lists[1].len();
+            reading.note(format!("{planes} azimuths of incidence: outgoing azimuths are taken as counted from that of incidence"));
+        }
         let mut cells = vec![0.0; channels];
         let mut filled = lines.filter(|(_, line)| !line.is_empty());
         for at in 0..self.rows()? {
@@ -146,6 +146,7 @@ impl SsddBlock {
             let sizes = self.lists.each_ref().map(|list| list.len().max(1));
             let index =
                 [at % sizes[0], at / sizes[0] / sizes[1] % sizes[2], at / sizes[0] / sizes[1] / sizes[2]];
+            let of_plane = at / sizes[0] % sizes[1];
             let of =
                 |list: usize, index: usize| self.lists[list].get(index).copied().unwrap_or(0.0).to_radians();
             let (a, b, c) = (of(0, index[0]), of(2, index[1]), of(3, index[2]));
@@ -154,6 +155,9 @@ impl SsddBlock {
                 Parameters::Specular => [direction(a, PI), about_mirror(a, b.to_degrees(), c.to_degrees())],
                 Parameters::Half => from_half(a, b, c),
             };
+            // The azimuth of incidence turns both directions, which are counted from its plane.
+            let plane = if sizes[1] > 1 { of(1, of_plane) } else { 0.0 };
+            let pair = if plane == 0.0 { pair } else { pair.map(|d| turned_back(d, -plane)) };
             let rgb = match (&spectrum, self.colour.as_str()) {
                 (Some(spectrum), _) => spectrum.rgb(&cells),
                 (None, "xyz") => rgb_of_xyz([cells[0], cells[1], cells[2]]),

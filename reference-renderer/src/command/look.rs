@@ -65,9 +65,10 @@ const GRAZING: f64 = 0.087;
 /// # Errors
 /// Names the file. Anisotropic ones have no samples.
 pub fn looked_at(source: Source) -> anyhow::Result<Look> {
-    let Source { content, name, intake, .. } = source;
+    let Source { content, name, intake, completion, .. } = source;
     let (intake, table) = match (intake, content) {
         (Some(intake), Content::Samples(table)) => (intake, table),
+        (Some(intake), Content::Evaluable(_)) => return Ok(Look::new(&intake, completion.as_ref())),
         (_, Content::Samples(_)) => bail!("{name}: samples without lines"),
         (_, Content::Evaluable(brdf)) => {
             let text = export::csv(&export::sampled(brdf.as_ref())?, None);
@@ -101,7 +102,7 @@ fn look_at(args: &Args, file: &Path) -> anyhow::Result<()> {
     if args.table {
         return print_line(source);
     }
-    let (Some(intake), Content::Samples(table)) = (&source.intake, &source.content) else {
+    let Some(intake) = &source.intake else {
         if args.json {
             println!("{}", serde_json::json!({"name": source.name, "samples": null}));
         } else {
@@ -112,8 +113,12 @@ fn look_at(args: &Args, file: &Path) -> anyhow::Result<()> {
         }
         return Ok(());
     };
-    let completion = if args.quick { None } else { Some(complete(table)?) };
-    let look = Look::new(intake, completion.as_ref().map(|completion| &completion.report));
+    let completion = match &source.content {
+        Content::Samples(table) if !args.quick => Some(complete(table)?.report),
+        Content::Samples(_) => None,
+        Content::Evaluable(_) => source.completion.clone(),
+    };
+    let look = Look::new(intake, completion.as_ref());
     if args.json {
         println!("{:#}", look.to_json());
     } else {

@@ -57,6 +57,8 @@ pub(super) enum Values {
 pub(super) struct Columns {
     pub names: Vec<String>,
     pub directions: Directions,
+    /// The angle by which the sample is turned, and whether its name has a unit of its own.
+    pub turn: Option<(usize, Option<Unit>)>,
     pub values: Values,
     /// Units that the names of angles and values carry.
     pub angle_unit: Option<Unit>,
@@ -117,10 +119,11 @@ impl Columns {
             Ok(values) => values,
             Err(missing) => return fail(missing),
         };
+        let turn = roles.iter().position(|r| *r == Role::Turn);
         let mut is_value = vec![false; names.len()];
         values.places().into_iter().for_each(|n| is_value[n] = true);
         let ignored: Vec<String> = (0..names.len())
-            .filter(|&n| !directions.has(n) && !is_value[n] && is_named(n))
+            .filter(|&n| !directions.has(n) && turn != Some(n) && !is_value[n] && is_named(n))
             .map(|n| names[n].trim().to_owned())
             .collect();
         let unit_of =
@@ -130,8 +133,9 @@ impl Columns {
         let beside = (0..names.len())
             .filter(|&n| is_value[n])
             .find_map(|n| Some((beside(&names[n])?, shortened(names[n].trim()))));
+        let turn = turn.map(|n| (n, unit(&names[n]).filter(|unit| *unit != Unit::Percent)));
         let names = names.iter().map(|name| name.trim().to_owned()).collect();
-        Ok(Self { names, directions, values, angle_unit, value_unit, beside, ignored, notes })
+        Ok(Self { names, directions, turn, values, angle_unit, value_unit, beside, ignored, notes })
     }
 }
 

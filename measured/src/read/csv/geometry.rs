@@ -7,6 +7,8 @@ use super::columns::{Azimuths, Columns, Directions, Place};
 use super::names::Unit;
 use super::{Numbers, Unknown};
 use crate::ReadError;
+use crate::file::decode::shortened;
+use crate::row::turned_back;
 use crate::table::direction;
 use std::f64::consts::{FRAC_PI_2, PI};
 
@@ -39,13 +41,21 @@ pub(super) struct Geometry {
     /// Whether cosines stand in place of angles from the normal.
     are_cosines: [bool; 2],
     azimuths: Option<Azimuths>,
+    /// Radians of a unit of the turn of the sample; 0 where all have the same.
+    turn: f64,
     /// In a plane: the meaning of the azimuth of the outgoing direction.
     plane: f64,
 }
 
-/// Places of the numbers of a row: of vectors six; of angles both thetas and both azimuths.
-pub(super) fn places(directions: &Directions) -> [Option<Place>; 6] {
-    match directions {
+/// Numbers of a row that say its directions.
+pub(super) const NUMBERS: usize = 7;
+
+/// The number that is the turn of the sample.
+const TURN: usize = 6;
+
+/// Places of the numbers of a row: of vectors six; of angles both thetas and both azimuths; and that of the turn of the sample.
+pub(super) fn places(directions: &Directions, turn: Option<usize>) -> [Option<Place>; NUMBERS] {
+    let [a, b, c, d, e, f] = match directions {
         Directions::Vectors([i, o]) => [i[0], i[1], i[2], o[0], o[1], o[2]].map(|n| Some(Place::Column(n))),
         Directions::Half([half, theta, phi]) => {
             let column = |n: &usize| Some(Place::Column(*n));
@@ -60,7 +70,8 @@ pub(super) fn places(directions: &Directions) -> [Option<Place>; 6] {
             };
             [Some(*i), Some(*o), phi_i, phi_o, None, None]
         }
-    }
+    };
+    [a, b, c, d, e, f, turn.map(Place::Column)]
 }
 
 /// The last column that a direction needs.
@@ -69,7 +80,7 @@ pub(super) fn last_column(directions: &Directions) -> usize {
         Place::Column(n) => *n,
         Place::Constant(_) => 0,
     };
-    places(directions).iter().flatten().map(column).max().unwrap_or(0)
+    places(directions, None).iter().flatten().map(column).max().unwrap_or(0)
 }
 
 impl Geometry {
@@ -90,11 +101,14 @@ impl Geometry {
             Directions::Half(_) => (false, true),
             Directions::Angles { .. } => (false, false),
         };
-        let mut geometry = Self { is_vectors, is_half, radians: 1.0, are_cosines, azimuths, plane: PI };
+        let mut geometry =
+            Self { is_vectors, is_half, radians: 1.0, are_cosines, azimuths, turn: 0.0, plane: PI };
+        let radians_of = |angles| if angles == Angles::Degrees { PI / 180.0 } else { 1.0 };
         if geometry.is_vectors {
+            let angles = conventions.angles.unwrap_or(Angles::Degrees);
+            geometry.turn = turn(columns, rows, radians_of(angles), reading);
             return Ok(geometry);
         }
-        let radians_of = |angles| if angles == Angles::Degrees { PI / 180.0 } else { 1.0 };
         geometry.radians = match (conventions.angles, columns.angle_unit.or(said)) {
             (Some(angles), _) => radians_of(angles),
             (None, Some(Unit::Degrees)) => radians_of(Angles::Degrees),
@@ -102,6 +116,7 @@ impl Geometry {
             (None, Some(Unit::Gon)) => PI / 200.0,
             _ => radians_of(found_angles(rows, are_cosines, unknown, reading)?),
         };
+        geometry.turn = turn(columns, rows, geometry.radians, reading);
         let is_signed = |row: &&Numbers| (0..2).any(|k| !are_cosines[k] && row.directions[k] < 0.0);
         let signed = rows.iter().filter(is_signed).count();
         if azimuths == Some(Azimuths::InPlane) {
@@ -116,6 +131,22 @@ impl Geometry {
 
     /// Unit vectors towards the incident and the outgoing direction.
     pub fn directions(&self, row: &Numbers) -> Result<[[f64; 3]; 2], ReadError> {
+        let both = self.untouched(row)?;
+        if self.turn == 0.0 {
+            return Ok(both);
+        }
+        let angle = row.directions[TURN] * self.turn;
+        if angle.abs() > TURNS {
+            return Err(ReadError::Content(format!(
+                "line {}: {} is no turn",
+                row.line, row.directions[TURN]
+            )));
+        }
+        Ok(both.map(|d| turned_back(d, angle)))
+    }
+
+    /// The same before the turn of the sample.
+    fn untouched(&self, row: &Numbers) -> Result<[[f64; 3]; 2], ReadError> {
         let d = row.directions;
         if self.is_vectors {
             let found = [[d[0], d[1], d[2]], [d[3], d[4], d[5]]];
@@ -171,6 +202,25 @@ impl Geometry {
             return Ok(from_half(thetas[0], thetas[1], phi_o_radians));
         }
         Ok([direction(thetas[0], phi_i_radians), direction(thetas[1], phi_o_radians)])
+    }
+}
+
+/// Radians of a unit of the turn of the sample; 0 where there is none, or one alone.
+fn turn(columns: &Columns, rows: &[Numbers], radians: f64, reading: &mut Reading) -> f64 {
+    let (Some((column, unit)), Some(first)) = (columns.turn, rows.first()) else { return 0.0 };
+    let name = shortened(&columns.names[column]);
+    if rows.iter().all(|row| row.directions[TURN] == first.directions[TURN]) {
+        reading.note(format!("`{name}` is the same in all rows: the sample was not turned"));
+        return 0.0;
+    }
+    reading.note(format!(
+        "`{name}` is taken as the turn of the sample, anticlockwise as seen from above: azimuths are counted from the sample"
+    ));
+    match unit {
+        Some(Unit::Degrees) => PI / 180.0,
+        Some(Unit::Radians) => 1.0,
+        Some(Unit::Gon) => PI / 200.0,
+        Some(Unit::Percent) | None => radians,
     }
 }
 

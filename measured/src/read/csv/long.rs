@@ -4,7 +4,7 @@ use super::super::intake::{Intake, Reading};
 use super::super::reason::Reason;
 use super::super::wavelengths::Wavelengths;
 use super::Numbers;
-use super::geometry::Geometry;
+use super::geometry::{Geometry, NUMBERS};
 use crate::ReadError;
 use std::collections::BTreeMap;
 
@@ -19,7 +19,7 @@ pub(super) fn finish(
     wavelengths.sort_by(f64::total_cmp);
     wavelengths.dedup();
     let to_rgb = reading.wavelengths_are(Wavelengths::new(&wavelengths)?, share)?;
-    let mut groups: BTreeMap<[u64; 6], Vec<Numbers>> = BTreeMap::new();
+    let mut groups: BTreeMap<[u64; NUMBERS], Vec<Numbers>> = BTreeMap::new();
     for row in rows {
         groups.entry(row.directions.map(f64::to_bits)).or_default().push(row);
     }

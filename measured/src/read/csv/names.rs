@@ -24,6 +24,8 @@ pub(super) enum Role {
     Phase,
     /// Azimuth of a direction that the name does not say in a known word.
     OddPhi,
+    /// The angle by which the sample is turned about its normal.
+    Turn,
     /// A part of a unit vector: 0 x, 1 y, 2 z.
     Vector(Side, usize),
     /// Angle of the half vector from the normal.
@@ -71,6 +73,7 @@ impl Role {
             Self::Phi(Side::Outgoing) => "outgoing azimuth",
             Self::Phi(Side::Either) | Self::OddPhi => "azimuth",
             Self::Phase => "phase angle",
+            Self::Turn => "turn of the sample",
             Self::DeltaPhi => "azimuth",
             Self::Vector(Side::Incident, _) => "incident vector",
             Self::Vector(Side::Outgoing, _) => "outgoing vector",
@@ -131,6 +134,11 @@ const REPEATED: &str =
     "run rep repeat repetition trial scan shot meas measurement messung mesure wiederholung";
 /// A mean of measurements.
 const MEAN: &str = "mean avg average median mittel mittelwert moyenne media";
+/// Names of the angle by which a sample is turned.
+const TURNS: &str = "rotation samplerotation rotationsample samplerot rotsample sampleazimuth azimuthsample samplephi phisample sampleturn turn \
+    stagerotation rotationstage tablerotation turntable turntableangle samplepsi psi samplerotationangle rotationangle anglerotation \
+    rotationofsample rotationofthesample orientation sampleorientation probendrehung drehung dreh probendreh \
+    rotationéchantillon rotationechantillon rotación rotacion rotazione";
 /// Names of a reflectance factor: pi f.
 const FACTORS: &str = "brf hdrf reff reflectancefactor";
 /// Names of the radiance factor of planets, pi f times the cosine of the incident direction; `I/F` is another.
@@ -267,6 +275,9 @@ pub(super) fn role(name: &str) -> Role {
     }
     if is_over(name) {
         return Role::Value;
+    }
+    if has(TURNS, &kept) || has(TURNS, &joined) || joined == "sampleangle" {
+        return Role::Turn;
     }
     if let Some(part) = part(&all) {
         return part;
@@ -517,6 +528,10 @@ mod tests {
                 Phi(Outgoing),
             ),
             ("Azimut Goniometerkopf|azimuth of table", OddPhi),
+            (
+                "rotation|Rotation [deg]|sample rotation|sample angle|SampleRotation|stage_rotation|sample azimuth (deg)|psi|Drehwinkel [°]",
+                Turn,
+            ),
             ("angle|angle [deg]", ThetaAlone),
             ("cos_i|cosThetaI|mu0", Cosine(Incident)),
             ("cos_theta_o|mu", Cosine(Outgoing)),

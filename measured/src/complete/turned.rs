@@ -1,0 +1,248 @@
+//! Samples of a surface that was turned: whether a turn changes it, along which axis, and what it leaves as it is.
+//!
+//! The axis and the stretch of the highlight are those whose model has the least sum of squares. Symmetries are kept unless a process
+//! without them predicts left-out samples better. In the end an isotropic model, with a process over it, is held against it: both
+//! predict samples, and turns, that they did not see. So noise and a tilted sample make no surface anisotropic.
+
+use super::family::{models, unseen};
+use super::gaps::gaps_of_turned;
+use super::held_out::HeldOut;
+use super::measurement::Measurement;
+use super::microfacet::{Family, Microfacet};
+use super::points::points;
+use super::process::{Of, Process};
+use super::scale::Scale;
+use super::turn::{Kept, Turn};
+use super::{Completion, FEWEST, completed, noises, width};
+use crate::FitError;
+use crate::complete::tuning::family::COMPARED_BESIDE;
+use crate::complete::tuning::turned::{
+    AXES, BROKEN, COMPARED, MOST, SAMPLES, SECOND, STEPS, STRETCHES, TURNS, VIEWS, WORTHWHILE,
+};
+use crate::row::{NORMAL, Row, polar};
+use crate::table::{DARKEST, luminance};
+use std::f64::consts::{FRAC_PI_2, PI};
+
+/// A sample with its places in parts of a measurement.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Placed {
+    pub wi: [f64; 3],
+    pub wo: [f64; 3],
+    pub rgb: [f64; 3],
+    /// Cosine of the direction that the instrument moved.
+    pub moved: f64,
+    pub view: usize,
+    pub part: usize,
+    pub number: usize,
+}
+
+/// Samples, and how many views and parts they have.
+struct Turned {
+    placed: Vec<Placed>,
+    count: [usize; 2],
+}
+
+/// What became of samples of a turned surface.
+pub(crate) enum Found {
+    /// A turn changes values.
+    Anisotropic(Box<Completion>),
+    /// An isotropic completion predicts samples and turns as well.
+    Isotropic,
+}
+
+/// Completes samples of a turned surface, if a turn changes it.
+///
+/// # Errors
+/// [`FitError::Table`] for fewer than five samples, and for some that are black, or darker than lobes can be.
+pub(crate) fn complete_turned(rows: &[Row], is_light_fixed: bool) -> Result<Found, FitError> {
+    let turned = Turned::new(rows, is_light_fixed);
+    let even = Measurement::of_turned(&turned.placed, turned.count, None);
+    if rows.len() < FEWEST || !rows.iter().any(|row| luminance(row.rgb) >= DARKEST) {
+        return Ok(Found::Isotropic);
+    }
+    let turn = turned.turn(&even);
+    let measurement = turned.measurement(&turn);
+    if !is_better(&even, &measurement) {
+        return Ok(Found::Isotropic);
+    }
+    let mut completion = completed(measurement, Some(turn))?;
+    completion.report.gaps = gaps_of_turned(rows, turn.kept != Kept::Nothing);
+    Ok(Found::Anisotropic(Box::new(completion)))
+}
+
+/// Places of values among those that are apart by more than `close`, by number; `None` for more than `most`.
+fn places(values: &[f64], close: f64, most: usize) -> Option<(Vec<usize>, usize)> {
+    let mut order: Vec<usize> = (0..values.len()).collect();
+    order.sort_by(|a, b| values[*a].total_cmp(&values[*b]));
+    let (mut found, mut count, mut last) = (vec![0; values.len()], 0, f64::NEG_INFINITY);
+    for n in order {
+        if values[n] - last > close {
+            count += 1;
+            last = values[n];
+        }
+        found[n] = count - 1;
+    }
+    (count <= most).then_some((found, count))
+}
+
+impl Turned {
+    fn new(rows: &[Row], is_light_fixed: bool) -> Self {
+        let held = |row: &Row| if is_light_fixed { row.wi } else { row.wo };
+        let thetas: Vec<f64> = rows.iter().map(|row| polar(held(row))).collect();
+        let (views, view_count) = places(&thetas, 2e-3, VIEWS).unwrap_or_else(|| {
+            let place = |theta: &f64| ((theta / FRAC_PI_2 * TURNS as f64) as usize).min(TURNS - 1);
+            (thetas.iter().map(place).collect(), TURNS)
+        });
+        // At the normal a direction has no azimuth: then that of the other says it.
+        let azimuth = |row: &Row| {
+            let (held, moved) = if is_light_fixed { (row.wi, row.wo) } else { (row.wo, row.wi) };
+            let d = if polar(held) < NORMAL { moved } else { held };
+            libm::fmod(libm::atan2(d[1], d[0]) + 2.0 * PI + 0.01, 2.0 * PI)
+        };
+        let azimuths: Vec<f64> = rows.iter().map(azimuth).collect();
+        let (parts, part_count) = places(&azimuths, 0.03, TURNS).unwrap_or_else(|| {
+            let place = |a: &f64| ((a / (2.0 * PI) * TURNS as f64) as usize).min(TURNS - 1);
+            (azimuths.iter().map(place).collect(), TURNS)
+        });
+        // The first and the last part are never left out: they are empty here.
+        let place = |(number, row): (usize, &Row)| Placed {
+            wi: row.wi,
+            wo: row.wo,
+            rgb: row.rgb,
+            moved: if is_light_fixed { row.wo[2] } else { row.wi[2] },
+            view: views[number],
+            part: parts[number] + 1,
+            number,
+        };
+        Self { placed: rows.iter().enumerate().map(place).collect(), count: [view_count, part_count + 2] }
+    }
+
+    fn measurement(&self, turn: &Turn) -> Measurement {
+        Measurement::of_turned(&self.placed, self.count, Some(turn))
+    }
+
+    /// About so many of the samples, spread over all of them.
+    fn thinned(&self, most: usize) -> Self {
+        let golden = 0.618_033_988_749_894_9_f64;
+        let share = most as f64 / self.placed.len() as f64;
+        let is_kept = |n: usize| (golden * n as f64).fract() < share;
+        let placed = self.placed.iter().enumerate().filter(|(n, _)| is_kept(*n)).map(|(_, s)| *s).collect();
+        Self { placed, count: self.count }
+    }
+
+    /// The axis and the symmetry.
+    fn turn(&self, even: &Measurement) -> Turn {
+        let scale = Scale::of(even);
+        let few = self.thinned(SAMPLES[0]);
+        let mut best: Option<(f64, Turn, Microfacet)> = None;
+        for along in STRETCHES {
+            for n in 0..AXES {
+                let turn = Turn::new(PI * n as f64 / AXES as f64, along, 1.0, Kept::default());
+                let (cost, model) = Microfacet::fits(&few.measurement(&turn), scale, Family::OneLobe)[0];
+                if best.as_ref().is_none_or(|best| cost < best.0) {
+                    best = Some((cost, turn, model));
+                }
+            }
+        }
+        let more = self.thinned(SAMPLES[1]);
+        let Some((_, turn, model)) = best else { return Turn::new(0.0, 1.0, 1.0, Kept::default()) };
+        let (one, turn) = more.refined(scale, turn, &model, Second::Even);
+        let mut found = (SECOND * one, turn);
+        for second in [Second::Even, Second::Same, Second::Across] {
+            let start = second.of(turn);
+            let (_, model) = Microfacet::fits(&more.measurement(&start), scale, Family::Coat)[0];
+            let (cost, turn) = more.refined(scale, start, &model, second);
+            if cost < found.0 {
+                found = (cost, turn);
+            }
+        }
+        self.kept(scale, found.1.upright())
+    }
+
+    /// The axis and stretches near some, and the sum of squares.
+    fn refined(&self, scale: Scale, start: Turn, model: &Microfacet, second: Second) -> (f64, Turn) {
+        let mut model = *model;
+        let mut best = start;
+        let (mut least, fitted) = model.moved_to(&self.measurement(&best), scale);
+        model = fitted;
+        let mut steps = STEPS;
+        while steps[0] > 0.01 * STEPS[0] {
+            let mut is_better = false;
+            for (by_axis, by_stretch) in [(1.0, 0.0), (-1.0, 0.0), (0.0, 1.0), (0.0, -1.0)] {
+                let along = best.along * libm::exp(by_stretch * steps[1]);
+                if !(1.0 / MOST..=MOST).contains(&along) {
+                    continue;
+                }
+                let turn = second.of(Turn::new(best.axis + by_axis * steps[0], along, 1.0, best.kept));
+                let (cost, fitted) = model.moved_to(&self.measurement(&turn), scale);
+                if cost < least * (1.0 - 1e-9) {
+                    (least, best, model, is_better) = (cost, turn, fitted, true);
+                }
+            }
+            if !is_better {
+                steps = steps.map(|step| 0.4 * step);
+            }
+        }
+        (least, best)
+    }
+
+    /// With the symmetry that left-out samples leave.
+    fn kept(&self, scale: Scale, turn: Turn) -> Turn {
+        let few = self.thinned(COMPARED);
+        let (kernel, noise) = COMPARED_BESIDE;
+        let rank = |turn: &Turn| {
+            let measurement = few.measurement(turn);
+            let (_, model) = Microfacet::fits(&measurement, scale, Family::OneLobe)[0];
+            let points = points(&measurement, &model, scale, width(&model));
+            let process = Process::new(&points, kernel, &noises(&points, noise), Of::Values)?;
+            Some(HeldOut::alone(&process, &points, scale).rank())
+        };
+        let with = |kept: Kept| Turn::new(turn.axis, turn.along, turn.second, kept);
+        let mut best = (f64::INFINITY, with(Kept::default()));
+        for kept in Kept::ALL {
+            let Some(rank) = rank(&with(kept)) else { continue };
+            if rank < BROKEN * best.0 {
+                best = (rank, with(kept));
+            }
+        }
+        best.1
+    }
+}
+
+/// The stretch of a second lobe.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Second {
+    /// None: a coat.
+    Even,
+    /// As of the first one.
+    Same,
+    /// Across it: the other thread of a cloth.
+    Across,
+}
+
+impl Second {
+    fn of(self, turn: Turn) -> Turn {
+        let second = match self {
+            Self::Even => 1.0,
+            Self::Same => turn.along,
+            Self::Across => 1.0 / turn.along,
+        };
+        Turn::new(turn.axis, turn.along, second, turn.kept)
+    }
+}
+
+/// Whether samples, and turns, that were left out are predicted better with a turn.
+fn is_better(even: &Measurement, turned: &Measurement) -> bool {
+    let rank = |measurement: &Measurement| {
+        let few = measurement.thinned(COMPARED);
+        let scale = Scale::of(&few);
+        let model = models(&few, scale).alone;
+        let [samples, turns] = unseen(&few, scale, &model, Some(COMPARED_BESIDE))?;
+        Some(samples.rank() + turns.rank())
+    };
+    match (rank(even), rank(turned)) {
+        (Some(even), Some(turned)) => turned < WORTHWHILE * even,
+        (None, Some(_)) => true,
+        (_, None) => false,
+    }
+}
