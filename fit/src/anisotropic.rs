@@ -5,11 +5,13 @@
 //!
 //! May import: `clock`, `family`, `judge`, `numeric`, `settings`.
 
+mod balance;
 mod coupled;
 mod encode;
 mod family;
 mod grid;
 mod report;
+mod samples;
 mod shape;
 mod start;
 mod table;
@@ -17,7 +19,7 @@ mod tuning;
 
 use crate::anisotropic::grid::{Grid, Layout, Objective};
 use crate::anisotropic::table::TurnedView;
-use crate::anisotropic::tuning::objective::{ENERGY, TAIL};
+use crate::anisotropic::tuning::objective::{ENERGY, MEASURE, TAIL};
 use crate::anisotropic::tuning::views::{
     AT_STORED_VIEWS, AZIMUTHS, BETWEEN, EVERY, IMPROVEMENT, PER_CELL, RINGS, ROUGHNESS, SCOUTING, STARTS,
     STIFF,
@@ -25,16 +27,53 @@ use crate::anisotropic::tuning::views::{
 use crate::clock::Clock;
 use crate::family::objective::{Emphasis, Weighted, Weights};
 use crate::family::tuning::solver::FAINT_COLOR;
-use crate::judge::report::Report;
+use crate::judge::report::{Report, ViewReport};
 use crate::numeric::levenberg::{Limits, minimize};
+use crate::read::Row;
 use crate::table::{Brdf, Density, Symmetry};
 use crate::{Fit, FitError, Settings};
 use rayon::prelude::*;
-use std::f64::consts::TAU;
+use std::f64::consts::{FRAC_PI_2, TAU};
 use std::sync::atomic::{AtomicUsize, Ordering};
 
 /// Most rings that settings may ask for: 64 x 16 stored views are 80 000 unknowns, minutes a step.
 const MAX_RINGS: usize = 64;
+
+/// Directions of views that are judged.
+const JUDGED: Density = Density { hemisphere: 1000, cap: 300 };
+
+/// Judges a material beside a BRDF at outgoing directions, angles from the normal and azimuths in radians; anisotropic ones too.
+///
+/// # Errors
+/// [`FitError`] for bytes that are no material, and for an angle outside [0, pi / 2).
+pub fn judge_at(
+    bytes: &[u8],
+    brdf: &dyn Brdf,
+    directions: &[(f64, f64)],
+) -> Result<Vec<ViewReport>, FitError> {
+    if let Some((theta, _)) = directions.iter().find(|(theta, _)| !(0.0..FRAC_PI_2).contains(theta)) {
+        return Err(FitError::Table(format!("view at {} degrees", theta.to_degrees())));
+    }
+    report::judge(bytes, &table::tabulate(brdf, directions, JUDGED))
+}
+
+/// Fits lobes to samples of an anisotropic surface, which a BRDF completes. The report has the samples' own views.
+///
+/// # Errors
+/// As [`fit_brdf`].
+pub(crate) fn fit_samples(
+    brdf: &dyn Brdf,
+    rows: &[Row],
+    is_light_fixed: bool,
+    settings: &Settings,
+    progress: impl FnMut(f64) + Send,
+) -> Result<Fit, FitError> {
+    let mut fit = fit_brdf(brdf, settings, progress)?;
+    if let Some(views) = samples::views(brdf, rows, is_light_fixed) {
+        fit.report.views = report::judge(&fit.bytes, &views)?;
+    }
+    Ok(fit)
+}
 
 /// Fits lobes to an anisotropic BRDF that can be evaluated. The report has held-out views in the middle of every cell.
 ///
@@ -57,7 +96,7 @@ pub(crate) fn fit_brdf(
 
     let placed: Vec<_> =
         views.iter().map(|TurnedView { phi, view }| (layout.views.place(view.theta, *phi), view)).collect();
-    let emphasis = Emphasis { tail: TAIL, measure: 0.0, energy: ENERGY };
+    let emphasis = Emphasis { tail: TAIL, measure: MEASURE, energy: ENERGY };
     let objective = Objective::over(&placed, layout.clone(), emphasis, None)?;
     let smoothness = ROUGHNESS * settings.smoothness;
     let weights = Weights { smoothness, energy: emphasis.energy, faint_color: FAINT_COLOR };
@@ -90,10 +129,11 @@ pub(crate) fn fit_brdf(
         progress(done as f64 / total);
     });
 
+    let albedo: Vec<_> = placed.iter().map(|(place, view)| (*place, view.albedo)).collect();
+    balance::balance(&layout, &mut x, &albedo);
     let text = format!("{}{}", settings.provenance, describe(settings, &layout));
     let bytes = encode::encode(&layout, &x, &text)?;
-    let finer = Density { hemisphere: 1000, cap: 300 };
-    let held_out = table::tabulate(brdf, &middles(&layout.views), finer);
+    let held_out = table::tabulate(brdf, &middles(&layout.views), JUDGED);
     let judge = |views: &[TurnedView]| report::judge(&bytes, views);
     let report = Report {
         views: judge(&views)?,

@@ -62,8 +62,23 @@ pub fn fit_source(
     settings: &Settings,
     progress: impl FnMut(f64) + Send,
 ) -> Result<Fit, FitError> {
-    let mut fit = fit_content(&source.content, settings, progress)?;
     let intake = source.intake.as_ref();
+    let mut fit = match (&source.content, intake) {
+        (Content::Evaluable(brdf), Some(intake)) if brdf.symmetry() != Symmetry::Isotropic => {
+            check_memory(MEMORY + OF_SAMPLE * intake.rows.len() as u64).map_err(FitError::Memory)?;
+            settings.check_anisotropic()?;
+            with_lobes(settings, progress, |settings, progress| {
+                anisotropic::fit_samples(
+                    brdf.as_ref(),
+                    &intake.rows,
+                    intake.is_light_fixed,
+                    settings,
+                    progress,
+                )
+            })?
+        }
+        (content, _) => fit_content(content, settings, progress)?,
+    };
     if let Some(completion) = &source.completion {
         fit.report.gaps = Some(completion.gaps.clone());
         fit.report.completion = Some(completion.clone());

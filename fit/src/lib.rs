@@ -13,6 +13,7 @@ mod numeric;
 pub mod pack;
 mod settings;
 
+pub use anisotropic::judge_at;
 pub use fit::{Tracked, fit, fit_content, fit_source};
 pub use judge::fitted_material::view_angles;
 pub use judge::report::Fit;

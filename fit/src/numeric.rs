@@ -3,4 +3,4 @@
 pub(crate) mod banded;
 pub(crate) mod blocks;
 
-pub(crate) use srbf_measured::numeric::{GOLDEN_ANGLE, levenberg, median, random, special, vector};
+pub(crate) use srbf_measured::numeric::{GOLDEN_ANGLE, cholesky, levenberg, median, random, special, vector};

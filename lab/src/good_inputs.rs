@@ -123,7 +123,6 @@ fn planted(args: &Args, factor: f64) -> anyhow::Result<()> {
 
 /// The words about a made-up input.
 fn of_made(name: &str, made: &Made) -> anyhow::Result<String> {
-    let path = Path::new("made.csv");
     let source = csv::parse(made.text.as_bytes(), &Default::default())
         .map_err(|error| error.to_string())
         .and_then(|intake| {

@@ -23,6 +23,7 @@ mod stability;
 mod stated;
 mod survey;
 mod thesis_table;
+mod turns;
 mod verdicts;
 mod web;
 
@@ -49,6 +50,7 @@ enum Command {
     Figures(figures::Args),
     GoodInputs(good_inputs::Args),
     ThesisTable(thesis_table::Args),
+    Turns(turns::Args),
     Forms(forms::Args),
     EqualTime(equal_time::Args),
     Stability(stability::Args),
@@ -74,6 +76,7 @@ fn main() -> ExitCode {
             Command::Figures(args) => figures::run(&args),
             Command::GoodInputs(args) => good_inputs::run(&args),
             Command::ThesisTable(args) => thesis_table::run(args),
+            Command::Turns(args) => turns::run(&args),
             Command::Forms(args) => forms::run(&args),
             Command::EqualTime(args) => equal_time::run(&args),
             Command::Stability(args) => stability::run(args),

@@ -268,7 +268,7 @@ impl Completion {
 }
 
 /// A diffuse term and a microfacet lobe fitted to samples: the first step of a completion alone, as a baseline.
-pub struct Model(Microfacet);
+pub struct Model(Microfacet, Option<Turn>);
 
 impl Model {
     /// Fits it to the samples of a table.
@@ -280,19 +280,27 @@ impl Model {
         let measurement = Measurement::new(table);
         let few = measurement.thinned(OF_MODEL);
         let fits = Microfacet::fits(&few, Scale::of(&measurement), Family::OneLobe);
-        Ok(Self(fits[0].1))
+        Ok(Self(fits[0].1, None))
     }
+}
+
+fn pair(wi: [f64; 3], wo: [f64; 3], turn: Option<&Turn>) -> Pair {
+    turn.map_or_else(|| Pair::new(wi, wo), |turn| Pair::turned(wi, wo, turn))
 }
 
 impl Brdf for Model {
     fn evaluate(&self, wi: [f64; 3], wo: [f64; 3]) -> [f64; 3] {
-        color::rgb(self.0.value(&Pair::new(wi, wo)))
+        color::rgb(self.0.value(&pair(wi, wo, self.1.as_ref())))
+    }
+
+    fn symmetry(&self) -> Symmetry {
+        self.1.map_or(Symmetry::Isotropic, |turn| turn.symmetry())
     }
 }
 
 impl Brdf for Completion {
     fn evaluate(&self, wi: [f64; 3], wo: [f64; 3]) -> [f64; 3] {
-        let pair = self.turn.as_ref().map_or_else(|| Pair::new(wi, wo), |turn| Pair::turned(wi, wo, turn));
+        let pair = pair(wi, wo, self.turn.as_ref());
         let model = self.model.value(&pair);
         let above = self.above.as_ref().map_or([0.0; 3], |above| above.at(&pair, wi, wo));
         let value = |c: usize| self.scale.to(model[c]) + above[c].clamp(-FARTHEST, FARTHEST);

@@ -11,7 +11,8 @@ mod merl;
 mod samples;
 
 use crate::FitError;
-use crate::table::{Brdf, Density, Symmetry, Table, evaluation_views};
+use crate::table::{Brdf, Density, Symmetry, Table, direction, evaluation_views};
+use std::f64::consts::{PI, TAU};
 
 pub use bsdf::rgl;
 pub use lobes::Lobes;
@@ -20,6 +21,11 @@ pub use samples::{astm, csv, csv_of_spectra};
 
 /// Outgoing directions of samples that are made of a BRDF, and incident ones of each.
 const VIEWS: usize = 16;
+
+/// Angles and azimuths of outgoing directions of a surface that a turn changes, and incident directions of each over the hemisphere.
+const TURNED_VIEWS: usize = 9;
+const TURNS: usize = 12;
+const TURNED_DIRECTIONS: usize = 200;
 const DIRECTIONS: Density = Density { hemisphere: 1000, cap: 300 };
 
 /// Samples of an isotropic BRDF: at 16 outgoing directions from the normal to 87 degrees, some 1300 incident ones each, which lie closer
@@ -30,6 +36,25 @@ const DIRECTIONS: Density = Density { hemisphere: 1000, cap: 300 };
 pub fn sampled(brdf: &dyn Brdf) -> Result<Table, FitError> {
     check_isotropic(brdf)?;
     Table::from_brdf(brdf, &evaluation_views::even_views(VIEWS), DIRECTIONS)
+}
+
+/// Samples of a BRDF that a turn changes, as our own CSV: 9 angles by 12 azimuths of the outgoing direction, and some 300 incident ones
+/// each, a third of them round the mirror direction. Those that were not measured are left out. Gives their number too.
+pub fn csv_of_turned(brdf: &dyn Brdf) -> (String, usize) {
+    let mut rows = Vec::new();
+    for (n, theta) in (0..TURNED_VIEWS).map(|n| (n, 0.02 + 1.4 * n as f64 / (TURNED_VIEWS - 1) as f64)) {
+        for turn in 0..TURNS {
+            // Every ring begins elsewhere.
+            let phi = TAU * (turn as f64 + 0.5 * (n % 2) as f64) / TURNS as f64;
+            let (wo, mirror) = (direction(theta, phi), direction(theta, phi + PI));
+            let incident = evaluation_views::spread(TURNED_DIRECTIONS)
+                .chain(evaluation_views::about(mirror, TURNED_DIRECTIONS / 2));
+            for wi in incident.filter(|wi| wi[2] > 0.05 && brdf.measured(*wi, wo) >= 0.5) {
+                rows.push((wi, wo, finite(brdf.evaluate(wi, wo))));
+            }
+        }
+    }
+    (samples::csv_of_pairs(&rows), rows.len())
 }
 
 /// [`sampled`] without samples most of whose value was not measured, and the share of those.
@@ -70,8 +95,14 @@ fn finite(rgb: [f64; 3]) -> [f64; 3] {
 /// # Errors
 /// As [`Table::from_brdf`].
 pub fn difference(of: &dyn Brdf, from: &dyn Brdf) -> Result<[(f64, f64); 4], FitError> {
-    let table = evaluation_views::judging_table(from, &evaluation_views::seen_views())?;
     let mut found = [(0.0, 0.0); 4];
+    if from.symmetry() != Symmetry::Isotropic {
+        for (found, theta) in found.iter_mut().zip(evaluation_views::seen_views()) {
+            *found = (theta.to_degrees(), evaluation_views::difference_over_turns(of, from, theta));
+        }
+        return Ok(found);
+    }
+    let table = evaluation_views::judging_table(from, &evaluation_views::seen_views())?;
     for (found, view) in found.iter_mut().zip(&table.views) {
         let wo = [-libm::sin(view.theta), 0.0, libm::cos(view.theta)];
         let (mut apart, mut all) = (0.0, 0.0);

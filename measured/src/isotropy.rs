@@ -32,6 +32,9 @@ const VARIANCE: f64 = 3.0;
 /// Variances of the term over the turn, as shares of that of a process.
 const SHARES: [f64; 2] = [0.1, 1.0];
 
+/// Times that the term over the turn goes round: brushed metals have two, a square lattice or a cloth of equal threads has four.
+const ROUNDS: [f64; 2] = [2.0, 4.0];
+
 /// Values below this share of the median size count as even about 0.
 const FLOOR: f64 = 0.04;
 
@@ -43,6 +46,13 @@ const SAID: f64 = 0.04;
 const CLOSE: f64 = 1.0 * PI / 180.0;
 const APART: f64 = 20.0 * PI / 180.0;
 
+/// Turns of a pair of directions, such pairs in all, and the deviation of the logarithm of their values, from which on steps from turn to
+/// turn tell; and how small these are where a turn changes values.
+const TURNS: usize = 4;
+const ENOUGH: f64 = 200.0;
+const VARIES: f64 = 0.2;
+const STEADY: f64 = 0.6;
+
 /// The result of a turn of the sample.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Isotropy {
@@ -50,6 +60,9 @@ pub struct Isotropy {
     pub gain: f64,
     /// Ratio of the largest to the least value of a pair of directions that differ by a turn alone, which nine in ten are below.
     pub apart: Option<f64>,
+    /// Squared differences from one turn of a pair of directions to the next over twice their variance: 1 for noise, little for a surface
+    /// that a turn changes. `None` where there are too few turns.
+    pub steps: Option<f64>,
     /// Whether an isotropic completion predicts samples and turns as well that it did not see: then a turn explains noise.
     pub explained: bool,
 }
@@ -69,24 +82,33 @@ impl Isotropy {
         for width in WIDTHS {
             for lengths in LENGTHS {
                 for noise in NOISES {
-                    plain.push(Candidate { width, lengths, noise, share: 0.0 });
+                    plain.push(Candidate { width, lengths, noise, share: 0.0, rounds: 0.0 });
                 }
             }
         }
         let (plain, of) = best(&plain, &few, &values)?;
         let mut turned = Vec::new();
-        for share in SHARES {
-            for noise in NOISES {
-                turned.push(Candidate { share, noise, ..of });
+        for rounds in ROUNDS {
+            for share in SHARES {
+                for noise in NOISES {
+                    turned.push(Candidate { share, noise, rounds, ..of });
+                }
             }
         }
         let (turned, _) = best(&turned, &few, &values)?;
-        Some(Self { gain: (turned - plain) / few.len() as f64, apart: apart(rows), explained: false })
+        let groups = over_turns(rows);
+        let (apart, steps) = (apart(&groups), from_turn_to_turn(&groups));
+        Some(Self { gain: (turned - plain) / few.len() as f64, apart, steps, explained: false })
     }
 
     /// Whether the surface is anisotropic beyond doubt.
     pub fn is_anisotropic(&self) -> bool {
-        self.gain > ANISOTROPIC && !self.explained
+        (self.gain > ANISOTROPIC || self.is_steady()) && !self.explained
+    }
+
+    /// Whether values from one turn to the next tell by themselves that it is.
+    pub(crate) fn is_steady(&self) -> bool {
+        self.steps.is_some_and(|steps| steps < STEADY)
     }
 
     /// Whether it may be.
@@ -139,6 +161,8 @@ struct Candidate {
     noise: f64,
     /// Variance of the term over the turn.
     share: f64,
+    /// How often that goes round.
+    rounds: f64,
 }
 
 impl Candidate {
@@ -158,8 +182,8 @@ impl Candidate {
                     (0..ISOTROPIC).map(|k| ((at[i].0[k] - at[j].0[k]) / self.lengths[k]).powi(2)).sum();
                 let r = libm::sqrt(5.0 * squared);
                 let matern = (1.0 + r + r * r / 3.0) * libm::exp(-r);
-                let turn =
-                    if self.share > 0.0 { self.share * libm::cos(2.0 * (at[i].1 - at[j].1)) } else { 0.0 };
+                let round = self.rounds * (at[i].1 - at[j].1);
+                let turn = if self.share > 0.0 { self.share * libm::cos(round) } else { 0.0 };
                 matrix.row_mut(i)[j] = matern * (VARIANCE + turn);
             }
             matrix.row_mut(i)[i] += self.noise;
@@ -176,8 +200,8 @@ impl Candidate {
     }
 }
 
-/// The ratio of the largest to the least value that nine in ten pairs of directions are below, over turns of the sample.
-fn apart(rows: &[Row]) -> Option<f64> {
+/// The logarithms of values of directions that differ by a turn alone, each with its turn.
+fn over_turns(rows: &[Row]) -> Vec<Vec<(f64, f64)>> {
     use std::collections::BTreeMap;
     let mut groups: BTreeMap<[i64; 3], Vec<(f64, f64)>> = BTreeMap::new();
     for row in rows {
@@ -190,18 +214,39 @@ fn apart(rows: &[Row]) -> Option<f64> {
         let key = [i, o, turn].map(|angle| libm::round(angle / CLOSE) as i64);
         groups.entry(key).or_default().push((azimuth, libm::log(level)));
     }
-    let mut found = Vec::new();
-    for group in groups.values() {
-        let Some((first, others)) = group.split_first() else { continue };
-        let is_turned = |b: &(f64, f64)| libm::remainder(first.0 - b.0, 2.0 * PI).abs() > APART;
-        if others.iter().any(is_turned) {
-            let (least, most) =
-                group.iter().fold((first.1, first.1), |(least, most), v| (least.min(v.1), most.max(v.1)));
-            found.push(most - least);
-        }
-    }
+    let is_turned = |group: &Vec<(f64, f64)>| {
+        group.iter().any(|b| libm::remainder(group[0].0 - b.0, 2.0 * PI).abs() > APART)
+    };
+    groups.into_values().filter(is_turned).collect()
+}
+
+/// The ratio of the largest to the least value that nine in ten pairs of directions are below, over turns of the sample.
+fn apart(groups: &[Vec<(f64, f64)>]) -> Option<f64> {
+    let range = |group: &Vec<(f64, f64)>| {
+        let ends = |(least, most): (f64, f64), v: &(f64, f64)| (least.min(v.1), most.max(v.1));
+        let (least, most) = group.iter().fold((f64::INFINITY, f64::NEG_INFINITY), ends);
+        most - least
+    };
+    let mut found: Vec<f64> = groups.iter().map(range).collect();
     found.sort_by(f64::total_cmp);
     (found.len() >= 10).then(|| libm::exp(found[found.len() * 9 / 10]))
+}
+
+/// Squared differences from one turn to the next over twice the variance of all, half turns being one: 1 for noise, and about 1 for a
+/// tilted sample, little for a surface that a turn changes. `None` for too few turns, and for values that hardly vary.
+fn from_turn_to_turn(groups: &[Vec<(f64, f64)>]) -> Option<f64> {
+    let (mut steps, mut variance, mut count) = (0.0, 0.0, 0.0);
+    for group in groups.iter().filter(|group| group.len() >= TURNS) {
+        let mut half: Vec<(f64, f64)> =
+            group.iter().map(|(azimuth, v)| (libm::remainder(*azimuth, PI), *v)).collect();
+        half.sort_by(|a, b| a.0.total_cmp(&b.0));
+        let n = half.len();
+        let mean = half.iter().map(|v| v.1).sum::<f64>() / n as f64;
+        steps += (0..n).map(|k| (half[(k + 1) % n].1 - half[k].1).powi(2)).sum::<f64>();
+        variance += half.iter().map(|v| (v.1 - mean).powi(2)).sum::<f64>();
+        count += (n - 1) as f64;
+    }
+    (count >= ENOUGH && variance > VARIES * VARIES * count).then(|| 0.5 * steps / variance)
 }
 
 #[cfg(test)]
@@ -246,6 +291,23 @@ mod tests {
             println!("noise {noise}, {alpha:?}: {found:?}");
             assert_eq!(found.is_anisotropic(), is, "noise {noise}, {alpha:?}: {found:?}");
         }
+    }
+
+    #[test]
+    fn steps_from_turn_to_turn_tell_a_lattice_from_noise_and_tilt() {
+        let mut random = crate::numeric::random::Random::new(9);
+        let mut rows = |f: &mut dyn FnMut(f64) -> f64| -> Vec<Row> {
+            let turns = (0..18).flat_map(|turn| (0..40).map(move |n| (0.35 * f64::from(turn), f64::from(n))));
+            let row = |(turn, n): (f64, f64)| {
+                let wi = direction(0.2 + 0.3 * (n % 4.0), turn);
+                Row { line: 1, wi, wo: direction(0.3 + 0.02 * n, turn + 0.1 * n), rgb: [f(turn); 3] }
+            };
+            turns.map(row).collect()
+        };
+        let steps = |rows: &[Row]| from_turn_to_turn(&over_turns(rows)).unwrap();
+        assert!(steps(&rows(&mut |turn| libm::exp(libm::cos(4.0 * turn)))) < 0.5);
+        assert!(steps(&rows(&mut |_| libm::exp(random.uniform()))) > 0.8);
+        assert!(steps(&rows(&mut |turn| libm::exp(libm::cos(turn)))) > 0.8);
     }
 
     #[test]

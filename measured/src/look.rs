@@ -142,13 +142,14 @@ impl Look {
     /// Looks at samples as they stand in a file, and at their completion.
     pub fn new(intake: &Intake, completion: Option<&CompletionReport>) -> Self {
         let few: Vec<Row> = thin(&intake.rows, MOST_COMPARED).into_iter().copied().collect();
-        let places = Places::of(&few);
+        let is_turned = intake.isotropy.as_ref().is_some_and(Isotropy::is_anisotropic);
+        let places = Places::of(&few, is_turned);
         let mut views: Vec<f64> = intake.views().iter().map(|view| view.0.to_degrees()).collect();
         views.sort_by(f64::total_cmp);
         let reciprocity = Reciprocity::of(&places.swapped());
         // Where a cosine is left, all angles do.
         let is_of_cosine = reciprocity.is_some_and(|found| found.cosine.is_some());
-        let contradicted = if is_of_cosine { Vec::new() } else { contradicted(&few, intake.is_light_fixed) };
+        let contradicted = if is_of_cosine { Vec::new() } else { contradicted(&few, intake.is_light_fixed, is_turned) };
         let mut look = Self {
             format: intake.format,
             samples: intake.rows.len(),

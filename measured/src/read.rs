@@ -135,7 +135,9 @@ impl Source {
     pub fn of_samples(intake: Intake, name: String, sha256: String) -> Result<Self, FitError> {
         let mut intake = Intake { isotropy: Isotropy::of(&intake.rows), ..intake };
         if let Some(found) = intake.isotropy.filter(Isotropy::is_anisotropic) {
-            if let Found::Anisotropic(completion) = complete_turned(&intake.rows, intake.is_light_fixed)? {
+            if let Found::Anisotropic(completion) =
+                complete_turned(&intake.rows, intake.is_light_fixed, found.is_steady())?
+            {
                 let report = Some(completion.report.clone());
                 let content = Content::Evaluable(completion);
                 return Ok(Self {

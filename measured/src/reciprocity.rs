@@ -62,8 +62,8 @@ const OF_TWO_BANDS: usize = 5;
 const OF_A_BAND: usize = 30;
 
 /// Bands of angles of the held direction at which samples contradict those with light and viewer exchanged, where the others agree among
-/// themselves: the worst is named, the others are looked at without it, and so on.
-pub(crate) fn contradicted(rows: &[Row], is_light_fixed: bool) -> Vec<Contradicted> {
+/// themselves: the worst is named, the others are looked at without it, and so on. `is_turned`: a turn of the sample changes its values.
+pub(crate) fn contradicted(rows: &[Row], is_light_fixed: bool, is_turned: bool) -> Vec<Contradicted> {
     let is_beside = |row: &&Row| {
         let [x, y, z] = [0, 1, 2].map(|k| row.wi[k] + row.wo[k]);
         libm::hypot(x, y) > PEAK * z
@@ -71,7 +71,7 @@ pub(crate) fn contradicted(rows: &[Row], is_light_fixed: bool) -> Vec<Contradict
     let beside: Vec<Row> = rows.iter().filter(is_beside).copied().collect();
     // The angle of the first band, and the logarithm of its sample over the other's.
     let mut pairs: BTreeMap<[i32; 2], Vec<[f64; 2]>> = BTreeMap::new();
-    for pair in Places::within(NEARLY, &beside).swapped() {
+    for pair in Places::within(NEARLY, &beside, is_turned).swapped() {
         let [a, b] = pair.angles.map(|angles| angles[usize::from(!is_light_fixed)]);
         let [of_a, of_b] = [a, b].map(|angle| libm::round(angle / BAND) as i32);
         if of_a != of_b {
@@ -141,17 +141,17 @@ mod tests {
 
     #[test]
     fn samples_of_one_angle_contradict_all_others() {
-        let found = contradicted(&rows(0.1), true);
+        let found = contradicted(&rows(0.1), true, false);
         assert_eq!(found.len(), 1, "{found:?}");
         assert!(
             (found[0].theta.to_degrees() - 80.0).abs() < 1.1 && (found[0].ratio - 0.1).abs() < 0.03,
             "{found:?}"
         );
-        assert!(contradicted(&rows(0.9), true).is_empty());
+        assert!(contradicted(&rows(0.9), true, false).is_empty());
         // With the roles exchanged it is the viewer at 80 degrees.
         let swapped: Vec<Row> =
             rows(10.0).into_iter().map(|row| Row { wi: row.wo, wo: row.wi, ..row }).collect();
-        let found = contradicted(&swapped, false);
+        let found = contradicted(&swapped, false, false);
         assert!(found.len() == 1 && (found[0].ratio - 10.0).abs() < 3.0, "{found:?}");
     }
 }

@@ -214,7 +214,7 @@ fn tables_are_converted_and_read_again() {
         refused(&place, &["convert", model, "device.csv"], &["cannot write", "device.csv"]);
     }
     let brushed = "model:ward:alpha_x=0.1,alpha_y=0.4";
-    refused(&place, &["convert", brushed, "a.bsdf"], &[brushed, "anisotropic"]);
+    refused(&place, &["convert", brushed, "a.binary"], &[brushed, "anisotropic"]);
     refused(&place, &["convert", "absent.csv", "a.bsdf"], &["absent.csv"]);
 }
 

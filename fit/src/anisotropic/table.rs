@@ -4,7 +4,7 @@
 //! caps round the peak, ever narrower; but the peak is looked for in two dimensions, and nothing is mirrored.
 
 use crate::anisotropic::shape::frame;
-use crate::anisotropic::tuning::table::{NARROWER, NARROWEST, WIDEST};
+use crate::anisotropic::tuning::table::{ALBEDO, NARROWER, NARROWEST, WIDEST};
 use crate::numeric::GOLDEN_ANGLE;
 use crate::table::{Brdf, Density, Sample, View};
 use rayon::prelude::*;
@@ -38,6 +38,19 @@ fn tabulate_view(brdf: &dyn Brdf, theta: f64, phi: f64, density: Density) -> Tur
         caps.push(caps[caps.len() - 1] * NARROWER);
     }
 
+    let sample = |(d, weight): ([f64; 3], f64)| Sample { direction: d, rgb: value(d), weight };
+    let samples: Vec<Sample> = weighed(axis, &caps, density).map(sample).collect();
+    // Errors of an albedo of 1 % count: those of so few samples are as large.
+    let mut albedo = [0.0; 3];
+    for (d, weight) in weighed(axis, &caps, ALBEDO) {
+        let rgb = value(d);
+        (0..3).for_each(|c| albedo[c] += weight * rgb[c] * d[2]);
+    }
+    TurnedView { phi, view: View { theta, samples, albedo, uncut_albedo: albedo, floor: 0.0 } }
+}
+
+/// Directions over the hemisphere and in caps round an axis, with their weights.
+fn weighed(axis: [f64; 3], caps: &[f64], density: Density) -> impl Iterator<Item = ([f64; 3], f64)> {
     let mut directions: Vec<[f64; 3]> = Vec::new();
     for i in 0..density.hemisphere {
         let z = (i as f64 + 0.5) / density.hemisphere as f64;
@@ -52,23 +65,14 @@ fn tabulate_view(brdf: &dyn Brdf, theta: f64, phi: f64, density: Density) -> Tur
             directions.push(around(axis, w, GOLDEN_ANGLE * i as f64 + n as f64));
         }
     }
-    let probability = |d: &[f64; 3]| {
+    let probability = move |d: &[f64; 3]| {
         let chord: f64 = (0..3).map(|k| (d[k] - axis[k]) * (d[k] - axis[k])).sum();
         let cap = |s: &f64| {
             density.cap as f64 * s / (-2.0 * PI * libm::expm1(-2.0 * s)) * libm::exp(-0.5 * s * chord)
         };
         density.hemisphere as f64 / (2.0 * PI) + caps.iter().map(cap).sum::<f64>()
     };
-    let samples: Vec<Sample> = directions
-        .iter()
-        .filter(|d| d[2] > 1e-4)
-        .map(|d| Sample { direction: *d, rgb: value(*d), weight: 1.0 / probability(d) })
-        .collect();
-    let mut albedo = [0.0; 3];
-    for s in &samples {
-        (0..3).for_each(|c| albedo[c] += s.weight * s.rgb[c] * s.direction[2]);
-    }
-    TurnedView { phi, view: View { theta, samples, albedo, uncut_albedo: albedo, floor: 0.0 } }
+    directions.into_iter().filter(|d| d[2] > 1e-4).map(move |d| (d, 1.0 / probability(&d)))
 }
 
 /// The direction at `w = 1 - cos` from an axis, at an angle round it.

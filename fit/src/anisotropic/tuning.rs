@@ -33,6 +33,9 @@ pub(crate) mod views {
 
 /// The sum of squares.
 pub(crate) mod objective {
+    /// Weight of errors away from the peak, over that in the measure. Without it the luminance off the peak of GGX of (0.1, 0.35) is 11.7 %
+    /// off in the median; with it 7.3 %, and the L2 error goes from 3.7 to 3.8 %.
+    pub const MEASURE: f64 = 1.0;
     /// Weight of the relative variance over that of the squared relative L2 error.
     pub const TAIL: f64 = 0.03;
     /// Weight of the squared relative error of the albedo.
@@ -63,6 +66,10 @@ pub(crate) mod layout {
 
 /// Caps of directions round the peak of a view.
 pub(crate) mod table {
+    use crate::table::Density;
+
+    /// Directions by which the albedo of a view is found.
+    pub const ALBEDO: Density = Density { hemisphere: 2000, cap: 500 };
     /// Sharpness of the widest cap.
     pub const WIDEST: f64 = 8.0;
     /// Factor from one cap to the next.
@@ -75,4 +82,20 @@ pub(crate) mod table {
 pub(crate) mod encode {
     /// Places between two stored views, each way, at which the albedo is held below that.
     pub const LOOKS: usize = 8;
+}
+
+/// Amplitudes scaled to the albedo.
+pub(crate) mod balance {
+    /// Largest logarithm of a factor.
+    pub const MOST: f64 = 0.3;
+    /// Times that factors are found, each from the result of the last.
+    pub const PASSES: usize = 3;
+    /// Power of the error that is the weight of its square.
+    pub const POWER: f64 = 2.0;
+    /// Steps of one pass.
+    pub const STEPS: usize = 6;
+    /// Error below which none counts less.
+    pub const UNCERTAIN: f64 = 1e-3;
+    /// Weight of factors themselves.
+    pub const STAY: f64 = 1e-4;
 }

@@ -182,6 +182,24 @@ impl<V: Views> Layout<V> {
         self.luminances().for_each(|i| q[i] -= less);
     }
 
+    /// All unknowns with the channels that are kept scaled at every stored view, by the exponentials of factors of at most `most`.
+    pub fn scaled(&self, x: &[f64], factors: &[Vec<f64>; 3], is_kept: [bool; 3], most: f64) -> Vec<f64> {
+        let mut x = x.to_vec();
+        for (stored, q) in x.chunks_exact_mut(self.stride()).enumerate() {
+            let by = [0, 1, 2]
+                .map(|c| if is_kept[c] { libm::exp(factors[c][stored].clamp(-most, most)) } else { 1.0 });
+            for k in 0..=self.lobes {
+                let color = rgb(self.tint(k).map(|i| q[i]));
+                let scaled = [0, 1, 2].map(|c| color[c] * by[c]);
+                // A lobe that would lose all luminance stays unchanged.
+                if luminance(scaled) > 0.0 {
+                    self.set_tint(q, k, scaled, 0.0);
+                }
+            }
+        }
+        x
+    }
+
     /// The logarithm to base 2 of the luminance of lobe k, or the diffuse term, and its colour differences, as they are stored.
     pub fn stored_tint(&self, q: &[f64], k: usize) -> (f32, [f32; 2]) {
         let [luminance, red, blue] = self.tint(k).map(|i| q[i]);

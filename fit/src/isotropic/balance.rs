@@ -6,13 +6,11 @@
 //! by iteratively reweighted least squares (Lawson 1961; Karlovitz 1970 for the shortened step).
 
 use crate::family::factors::Factors;
-use crate::family::layout::rgb;
 use crate::family::tuning::factors::AVERAGED;
 use crate::isotropic::line::Layout;
 use crate::isotropic::tuning::balance::{MOST, PASSES, POWER, STAY, STEPS, UNCERTAIN};
 use crate::judge::energy::EnergyError;
 use crate::numeric::banded::Banded;
-use crate::table::luminance;
 use rayon::prelude::*;
 
 /// Scales the amplitudes at all stored views. `albedo`: angles, radians, and the albedo of the data there. Returns the largest error that is
@@ -46,7 +44,7 @@ pub(crate) fn balance(
             .map(|c| factors(&at.iter().map(|row| row[c]).collect::<Vec<_>>(), layout.views.angles.len()));
         let mut is_kept = [true; 3];
         for _ in 0..2 {
-            let moved = scaled(layout, x, &factors, is_kept);
+            let moved = layout.scaled(x, &factors, is_kept, MOST);
             let then = rows(&moved);
             let kept = [0, 1, 2].map(|c| is_kept[c] && largest(&then, c) <= largest(&at, c));
             if kept == is_kept {
@@ -58,24 +56,6 @@ pub(crate) fn balance(
         }
     }
     (0..3).fold(0.0, |most, c| most.max(largest(&at, c)))
-}
-
-/// The unknowns with the channels that are kept scaled at every stored view.
-fn scaled(layout: &Layout, x: &[f64], factors: &[Vec<f64>; 3], is_kept: [bool; 3]) -> Vec<f64> {
-    let mut x = x.to_vec();
-    for (stored, q) in x.chunks_exact_mut(layout.stride()).enumerate() {
-        let by = [0, 1, 2]
-            .map(|c| if is_kept[c] { libm::exp(factors[c][stored].clamp(-MOST, MOST)) } else { 1.0 });
-        for k in 0..=layout.lobes {
-            let color = rgb(layout.tint(k).map(|i| q[i]));
-            let scaled = [0, 1, 2].map(|c| color[c] * by[c]);
-            // A lobe that would lose all luminance stays unchanged.
-            if luminance(scaled) > 0.0 {
-                layout.set_tint(q, k, scaled, 0.0);
-            }
-        }
-    }
-    x
 }
 
 /// The error of a channel's albedo between two stored views, and its derivative by the logarithm of a factor on all amplitudes.

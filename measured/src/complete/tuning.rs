@@ -262,6 +262,8 @@ pub(crate) mod turned {
     pub const BROKEN: f64 = 0.93;
     /// Share of the error at left-out samples and turns below which a turn changes something.
     pub const WORTHWHILE: f64 = 0.9;
+    /// The same where steps from turn to turn tell that by themselves: highlights narrower than the samples are predicted by nothing.
+    pub const AS_GOOD: f64 = 1.1;
     /// Most views by the angle of the outgoing direction, and most turns.
     pub const VIEWS: usize = 64;
     pub const TURNS: usize = 12;

@@ -13,11 +13,12 @@ use super::points::points;
 use super::process::{Of, Process};
 use super::scale::Scale;
 use super::turn::{Kept, Turn};
-use super::{Completion, FEWEST, completed, noises, width};
+use super::{Completion, FEWEST, Model, completed, noises, width};
 use crate::FitError;
+use crate::complete::tuning::choice::OF_MODEL;
 use crate::complete::tuning::family::COMPARED_BESIDE;
 use crate::complete::tuning::turned::{
-    AXES, BROKEN, COMPARED, MOST, SAMPLES, SECOND, STEPS, STRETCHES, TURNS, VIEWS, WORTHWHILE,
+    AS_GOOD, AXES, BROKEN, COMPARED, MOST, SAMPLES, SECOND, STEPS, STRETCHES, TURNS, VIEWS, WORTHWHILE,
 };
 use crate::row::{NORMAL, Row, polar};
 use crate::table::{DARKEST, luminance};
@@ -50,11 +51,15 @@ pub(crate) enum Found {
     Isotropic,
 }
 
-/// Completes samples of a turned surface, if a turn changes it.
+/// Completes samples of a turned surface, if a turn changes it. `is_steady`: their values from turn to turn tell that beyond noise.
 ///
 /// # Errors
 /// [`FitError::Table`] for fewer than five samples, and for some that are black, or darker than lobes can be.
-pub(crate) fn complete_turned(rows: &[Row], is_light_fixed: bool) -> Result<Found, FitError> {
+pub(crate) fn complete_turned(
+    rows: &[Row],
+    is_light_fixed: bool,
+    is_steady: bool,
+) -> Result<Found, FitError> {
     let turned = Turned::new(rows, is_light_fixed);
     let even = Measurement::of_turned(&turned.placed, turned.count, None);
     if rows.len() < FEWEST || !rows.iter().any(|row| luminance(row.rgb) >= DARKEST) {
@@ -62,12 +67,29 @@ pub(crate) fn complete_turned(rows: &[Row], is_light_fixed: bool) -> Result<Foun
     }
     let turn = turned.turn(&even);
     let measurement = turned.measurement(&turn);
-    if !is_better(&even, &measurement) {
+    if !is_better(&even, &measurement, is_steady) {
         return Ok(Found::Isotropic);
     }
     let mut completion = completed(measurement, Some(turn))?;
     completion.report.gaps = gaps_of_turned(rows, turn.kept != Kept::Nothing);
     Ok(Found::Anisotropic(Box::new(completion)))
+}
+
+impl Model {
+    /// Fits it to samples of a turned surface, with the axis that is found from them.
+    ///
+    /// # Errors
+    /// [`FitError::Table`] for fewer than five samples.
+    pub fn fit_turned(rows: &[Row], is_light_fixed: bool) -> Result<Self, FitError> {
+        if rows.len() < FEWEST {
+            return Err(FitError::Table(format!("{} samples; {FEWEST} are needed", rows.len())));
+        }
+        let turned = Turned::new(rows, is_light_fixed);
+        let even = Measurement::of_turned(&turned.placed, turned.count, None);
+        let turn = turned.turn(&even);
+        let few = turned.measurement(&turn).thinned(OF_MODEL);
+        Ok(Self(Microfacet::fits(&few, Scale::of(&even), Family::OneLobe)[0].1, Some(turn)))
+    }
 }
 
 /// Places of values among those that are apart by more than `close`, by number; `None` for more than `most`.
@@ -231,8 +253,8 @@ impl Second {
     }
 }
 
-/// Whether samples, and turns, that were left out are predicted better with a turn.
-fn is_better(even: &Measurement, turned: &Measurement) -> bool {
+/// Whether samples, and turns, that were left out are predicted better with a turn; as well, where values themselves tell the turn.
+fn is_better(even: &Measurement, turned: &Measurement, is_steady: bool) -> bool {
     let rank = |measurement: &Measurement| {
         let few = measurement.thinned(COMPARED);
         let scale = Scale::of(&few);
@@ -241,7 +263,7 @@ fn is_better(even: &Measurement, turned: &Measurement) -> bool {
         Some(samples.rank() + turns.rank())
     };
     match (rank(even), rank(turned)) {
-        (Some(even), Some(turned)) => turned < WORTHWHILE * even,
+        (Some(even), Some(turned)) => turned < if is_steady { AS_GOOD } else { WORTHWHILE } * even,
         (None, Some(_)) => true,
         (_, None) => false,
     }

@@ -35,6 +35,13 @@ pub fn csv_of_spectra(spectra: &Spectra) -> String {
     text
 }
 
+/// Writes pairs of directions, incident and outgoing, with f as our own CSV.
+pub(super) fn csv_of_pairs(rows: &[([f64; 3], [f64; 3], [f64; 3])]) -> String {
+    let mut text = csv_head(None);
+    rows.iter().for_each(|(wi, wo, rgb)| csv_row(&mut text, [*wi, *wo], rgb.iter().copied()));
+    text
+}
+
 fn csv_head(spectra: Option<&Spectra>) -> String {
     let values = spectra.map_or_else(
         || "r,g,b".to_owned(),

@@ -344,7 +344,7 @@ impl Reading {
             Some(Values::Brdf) | None => return,
         };
         let few: Vec<Row> = thin(&self.intake.rows, MOST_COMPARED).into_iter().copied().collect();
-        let found = Reciprocity::of(&Places::of(&few).swapped());
+        let found = Reciprocity::of(&Places::of(&few, false).swapped());
         // Divided by one cosine, f itself looks as if it were multiplied by the other.
         let Some(found) = found.filter(|found| found.cosine == Some(denial)) else {
             self.note_option(

@@ -8,7 +8,7 @@ use crate::truth::stored::StoredMaterial;
 use anyhow::{Context, bail};
 use srbf_fit::export;
 use srbf_fit::read::{Content, Conventions, Source, Spectra, merl, read_with, rgl};
-use srbf_fit::table::Brdf;
+use srbf_fit::table::{Brdf, Symmetry};
 use std::path::{Path, PathBuf};
 
 /// Writes a measured BRDF, a model or a fit in the format of another program.
@@ -20,7 +20,8 @@ use std::path::{Path, PathBuf};
 /// same exchanged; the mean of both is stored, which takes measured tables 3 to 13 % away, as they are not quite reciprocal. Negative channels, of colours outside the gamut, become 0. Cells that a
 /// MERL file has not measured stay marked so.
 ///
-/// .bsdf (RGL): f cos at 59 outgoing directions by 128 x 128 half vectors, in RGB; comes back within 0.5 % for the same model.
+/// .bsdf (RGL): f cos at 59 outgoing directions by 128 x 128 half vectors, in RGB; comes back within 0.5 % for the same model. Of anisotropic
+/// surfaces 22 angles by 13 azimuths over half a turn, and 64 x 64 half vectors.
 /// Samples that are spectra have them there too, and fits with --wavelengths: a linear map from colours, at most 64 wavelengths; 4 MB each.
 /// Mitsuba's `measured` reads colours in its RGB variants, spectra in its spectral ones, and draws by f cos itself: the relative variance is .002 up to 75 degrees, and .06 at 85.
 ///
@@ -28,7 +29,7 @@ use std::path::{Path, PathBuf};
 /// 16 outgoing directions by some 1300 incident ones. At the samples nothing is lost; between them nothing is said. Samples and models
 /// with spectra, and such fits with --wavelengths, become a .csv of one column for each wavelength; .astm has their colours.
 ///
-/// Not possible: .brdf (Cornell) holds spectra, which a colour does not tell; .srbf is a fit, by `srbf fit`; anisotropic surfaces.
+/// Not possible: .brdf (Cornell) holds spectra, which a colour does not tell; .srbf is a fit, by `srbf fit`; .binary and .astm of anisotropic surfaces.
 /// Samples become .binary or .bsdf by what `srbf fit` completes them to. After .binary and .bsdf the file is read again, and how far it is off
 /// is printed.
 #[derive(Debug, clap::Args)]
@@ -100,6 +101,17 @@ fn source(input: &Path, conventions: &Conventions) -> anyhow::Result<Source> {
 
 /// Writes samples: those that were read, or those of a BRDF; `is_csv`: with spectra where there are some.
 fn write_samples(output: &Path, source: Source, is_csv: bool) -> anyhow::Result<()> {
+    if let (true, Content::Evaluable(brdf)) = (is_csv, &source.content)
+        && brdf.symmetry() != Symmetry::Isotropic
+    {
+        let (text, count) = export::csv_of_turned(brdf.as_ref());
+        output::write(output, text.as_bytes())?;
+        println!(
+            "{}: {count} samples at outgoing directions over the hemisphere, chosen here",
+            shown(output)
+        );
+        return Ok(());
+    }
     let spectra = source.spectra().filter(|_| is_csv).cloned();
     // Of very many samples, some alone have kept their spectra.
     let own = source.own_spectra().filter(|_| is_csv).cloned();
