@@ -46,8 +46,8 @@ const SAID: f64 = 0.04;
 const CLOSE: f64 = 1.0 * PI / 180.0;
 const APART: f64 = 20.0 * PI / 180.0;
 
-/// Turns of a pair of directions, such pairs in all, and the deviation of the logarithm of their values, from which on steps from turn to
-/// turn tell; and how small these are where a turn changes values.
+/// Least turns of a pair of directions, of all pairs together, and least deviation of logarithms: then steps from turn to turn tell. The last is
+/// the size below which a turn changes values.
 const TURNS: usize = 4;
 const ENOUGH: f64 = 200.0;
 const VARIES: f64 = 0.2;

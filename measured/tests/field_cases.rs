@@ -324,6 +324,25 @@ fn only_a_real_turn_makes_a_surface_anisotropic() {
     }
     println!("{}", (off / all).sqrt());
     assert!((off / all).sqrt() < 0.1, "{}", (off / all).sqrt());
+    // A sample that is tilted on its table by two degrees, with noise, is none.
+    let (brdf, mut tilted) = (model("model:ggx:alpha=0.15,f0=0.9,diffuse=0.1"), Vec::new());
+    let tilt = |[x, y, z]: [f64; 3]| {
+        let (sin, cos) = 2f64.to_radians().sin_cos();
+        [x * cos + z * sin, y, z * cos - x * sin]
+    };
+    for turn in (0..12).map(|n| 30.0 * f64::from(n)) {
+        for (theta_i, theta_o, phi) in (0..60)
+            .map(|n| (15.0 * f64::from(1 + n % 4), 12.0 * f64::from(1 + n / 4 % 5), 72.0 * f64::from(n / 20)))
+        {
+            let (phi_i, phi_o) = (turn, turn + 180.0 - phi);
+            let [wi, wo] = [direction(theta_i, phi_i), direction(theta_o, phi_o)].map(tilt);
+            let f = brdf.evaluate(wi, wo)[1] * (1.0 + 0.3 * noise());
+            tilted.push(Sample { theta_i, phi_i, theta_o, phi_o, f });
+        }
+    }
+    let source = read_text("tilted.csv", &text(&tilted));
+    println!("{:?}", source.intake.as_ref().unwrap().isotropy);
+    assert!(source.completion.is_none());
     let same = read_text("turned.csv", &turned("model:ggx:alpha=0.1,f0=0.9"));
     assert!(!is_off(&quick_look(&same), Topic::Isotropy));
 }

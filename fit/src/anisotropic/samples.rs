@@ -44,6 +44,7 @@ pub(super) fn views(brdf: &dyn Brdf, rows: &[Row], is_light_fixed: bool) -> Opti
             view.samples.iter().zip(&own).map(|(s, own)| Sample { direction: own.0, ..*s }).collect();
         views.push((phi, crate::table::View { samples, ..view }));
     }
+    views.sort_by(|a, b| a.1.theta.total_cmp(&b.1.theta).then(a.0.total_cmp(&b.0)));
     let at: Vec<(f64, f64)> = views.iter().map(|(phi, view)| (view.theta, *phi)).collect();
     let whole = table::tabulate(brdf, &at, WHOLE);
     let with_albedo = |((phi, view), whole): ((f64, crate::table::View), &TurnedView)| {

@@ -37,7 +37,7 @@ impl Operation for Row<'_> {
 }
 
 impl Row<'_> {
-    /// With the first so many coordinates.
+    /// With the first coordinates, that number of them.
     #[inline(always)]
     fn of<V: Vectors, const OF: usize>(self) {
         let Self { kernel, from, to, out } = self;

@@ -3,7 +3,6 @@
 use super::color::xyz;
 use super::pair::Pair;
 use super::turn::Turn;
-use super::turned::Placed;
 use crate::complete::tuning::measurement::{DARK, LEAST_LEVEL, VIEWS_OF_PAIRS};
 use crate::table::{DARKEST, Table};
 use std::f64::consts::{FRAC_PI_2, PI};
@@ -24,6 +23,19 @@ pub(super) struct Measured {
     pub relative: f64,
     /// Share of the projected solid angle of all views.
     pub even: f64,
+}
+
+/// A sample with its places in parts of a measurement.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Placed {
+    pub wi: [f64; 3],
+    pub wo: [f64; 3],
+    pub rgb: [f64; 3],
+    /// Cosine of the direction that the instrument moved.
+    pub moved: f64,
+    pub view: usize,
+    pub part: usize,
+    pub number: usize,
 }
 
 /// The samples of all views.

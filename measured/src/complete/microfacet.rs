@@ -8,10 +8,10 @@
 mod fit;
 
 use super::measurement::{Measured, Measurement};
-use super::pair::Pair;
+use super::pair::{HORIZON, Pair};
 use super::scale::Scale;
 use crate::complete::tuning::microfacet::{
-    COAT_RISE, HORIZON, LEAST, LEAST_HUE, LIMITS, MOST_DIFFUSE, REFINED, SECOND_START,
+    COAT_RISE, LEAST, LEAST_HUE, LIMITS, MOST_DIFFUSE, REFINED, SECOND_START,
 };
 use crate::numeric::cholesky::Square;
 use crate::numeric::levenberg::{Limits, minimize};

@@ -10,7 +10,7 @@
 use super::turn::Turn;
 
 /// Least cosine in a division.
-const HORIZON: f64 = super::tuning::microfacet::HORIZON;
+pub(super) const HORIZON: f64 = 1e-3;
 
 /// The coordinates of a pair, which need no surface.
 #[derive(Clone, Copy, Debug, Default)]
@@ -174,7 +174,7 @@ mod tests {
             let plain = Pair::new(wi, wo);
             assert!((even.lean2[0] - plain.lean2[0]).abs() < 1e-12, "{even:?} {plain:?}");
             assert!((0..2).all(|k| (even.across2[k] - plain.across2[k]).abs() < 1e-12), "{even:?} {plain:?}");
-            // Half a turn, and a mirror, leave what they are said to.
+            // Half a turn, and a mirror, leave coordinates as they are.
             for (kept, mirror) in [(Kept::HalfTurn, [-1.0, -1.0]), (Kept::Mirrors, [1.0, -1.0])] {
                 let turn = Turn::new(0.0, 2.0, 0.7, kept);
                 let moved = |d: [f64; 3]| [mirror[0] * d[0], mirror[1] * d[1], d[2]];

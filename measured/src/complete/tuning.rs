@@ -134,8 +134,6 @@ pub(crate) mod microfacet {
     pub const LEAST: f64 = -25.0;
     /// Largest logarithm of diffuse radiance.
     pub const MOST_DIFFUSE: f64 = 2.0;
-    /// Least cosine in a division.
-    pub const HORIZON: f64 = 1e-3;
     /// Rise of the reflectance of a dielectric coat from the normal to grazing angles.
     pub const COAT_RISE: f64 = 25.0;
     /// Freedom of the channels of a coat.

@@ -11,7 +11,7 @@ use std::f64::consts::PI;
 /// Largest length of the leaning part of a half vector.
 const MOST_LEAN: f64 = 0.9999;
 
-/// What a turn or a mirror leaves as it is, the most first.
+/// The symmetry of a surface that a turn changes.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Kept {
     /// Both mirrors, along the axis and across it.
@@ -105,8 +105,8 @@ impl Turn {
         if self.kept == Kept::Nothing { 2.0 * PI } else { PI }
     }
 
-    /// A pair of directions: the length of the leaning part of the half vector and its azimuth, as the first lobe sees it, the angle
-    /// between half vector and direction, and the azimuth of the way between both about the half vector.
+    /// A pair of directions. `lean`, `azimuth`: the leaning part of the half vector as the first lobe sees it. `difference`: the angle between
+    /// half vector and direction. `way`: the azimuth of the way between both about the half vector.
     pub(super) fn directions(&self, lean: f64, azimuth: f64, difference: f64, way: f64) -> [[f64; 3]; 2] {
         let (s, c) = libm::sincos(azimuth);
         let [x, y] = [lean * c * self.along, lean * s / self.along];
@@ -153,7 +153,7 @@ impl Turn {
         if self.kept == Kept::Mirrors { [c, 0.0, along, 0.0] } else { [c, s, along, aside] }
     }
 
-    /// What a fit may rely on. Mirrors are those of the frame of the sample, which are not those of the axis.
+    /// The symmetry that a fit may rely on. Mirrors are those of the frame of the sample, which are not those of the axis.
     pub fn symmetry(&self) -> Symmetry {
         let is_upright = libm::sin(2.0 * self.axis).abs() < 1e-9;
         match self.kept {

@@ -1,4 +1,4 @@
-//! Samples of a surface that was turned: whether a turn changes it, along which axis, and what it leaves as it is.
+//! Samples of a surface that was turned: whether a turn changes it, along which axis, and its symmetries.
 //!
 //! The axis and the stretch of the highlight are those whose model has the least sum of squares. Symmetries are kept unless a process
 //! without them predicts left-out samples better. In the end an isotropic model, with a process over it, is held against it: both
@@ -7,7 +7,7 @@
 use super::family::{models, unseen};
 use super::gaps::gaps_of_turned;
 use super::held_out::HeldOut;
-use super::measurement::Measurement;
+use super::measurement::{Measurement, Placed};
 use super::microfacet::{Family, Microfacet};
 use super::points::points;
 use super::process::{Of, Process};
@@ -24,26 +24,13 @@ use crate::row::{NORMAL, Row, polar};
 use crate::table::{DARKEST, luminance};
 use std::f64::consts::{FRAC_PI_2, PI};
 
-/// A sample with its places in parts of a measurement.
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct Placed {
-    pub wi: [f64; 3],
-    pub wo: [f64; 3],
-    pub rgb: [f64; 3],
-    /// Cosine of the direction that the instrument moved.
-    pub moved: f64,
-    pub view: usize,
-    pub part: usize,
-    pub number: usize,
-}
-
 /// Samples, and how many views and parts they have.
 struct Turned {
     placed: Vec<Placed>,
     count: [usize; 2],
 }
 
-/// What became of samples of a turned surface.
+/// The outcome for samples of a turned surface.
 pub(crate) enum Found {
     /// A turn changes values.
     Anisotropic(Box<Completion>),
@@ -143,7 +130,7 @@ impl Turned {
         Measurement::of_turned(&self.placed, self.count, Some(turn))
     }
 
-    /// About so many of the samples, spread over all of them.
+    /// About that number of the samples, spread over all of them.
     fn thinned(&self, most: usize) -> Self {
         let golden = 0.618_033_988_749_894_9_f64;
         let share = most as f64 / self.placed.len() as f64;

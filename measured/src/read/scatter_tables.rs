@@ -154,7 +154,7 @@ pub fn zemax(bytes: &[u8], conventions: &Conventions) -> Result<Intake, ReadErro
     for (n, (&rotation, &incidence)) in
         rotations.iter().flat_map(|r| head.incidence.iter().map(move |i| (r, i))).enumerate()
     {
-        // A whole turn says again what the first said.
+        // A whole turn is the first rotation again.
         let is_again = |before: &f64| libm::remainder(rotation - before, 360.0).abs() < 1e-6;
         if rotations[..n / head.incidence.len()].iter().any(is_again) {
             continue;

@@ -106,7 +106,7 @@ impl Places {
     pub fn swapped(&self) -> Vec<Compared> {
         let close = self.close;
         if self.is_turned {
-            // What was outgoing is incident, at its own azimuth.
+            // The outgoing direction becomes the incident one, at its own azimuth.
             return self.compared(|[i, o, turn, azimuth]| {
                 (i < o - close).then_some([o, i, -turn, round(azimuth + turn, close)])
             });

@@ -58,8 +58,8 @@ pub fn about(axis: [f64; 3], count: usize) -> impl Iterator<Item = [f64; 3]> {
     })
 }
 
-/// Relative L2 distance of `f cos` of a BRDF from another one at an angle of the outgoing direction, radians, over azimuths of it and the
-/// hemisphere. A half of the directions lies about the mirror direction.
+/// Relative L2 distance of `f cos` of a BRDF from another one, over the hemisphere and all azimuths of outgoing directions of an angle,
+/// radians. A half of the directions lies about the mirror direction.
 #[doc(hidden)]
 pub fn difference_over_turns(of: &dyn Brdf, from: &dyn Brdf, theta: f64) -> f64 {
     const TURNS: usize = 24;

@@ -64,7 +64,7 @@ pub fn run(args: Args) -> anyhow::Result<()> {
     print(&report, &material)
 }
 
-/// Prints what was found.
+/// Prints a report.
 fn print(report: &Report, material: &Material<&[u8]>) -> anyhow::Result<()> {
     println!("{}", view_table::LEGEND);
     view_table::print_views(&report.held_out, view_table::is_isotropic(report));

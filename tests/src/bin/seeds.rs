@@ -42,6 +42,24 @@ fn main() -> ExitCode {
     ExitCode::SUCCESS
 }
 
+/// Two rotations of a sample.
+const ZEMAX: &str = "Source Measured\nSymmetry Asymmetrical4D\nSpectralContent Monochrome\nScatterType BRDF\n\
+    SampleRotation 2\n0 90\nAngleOfIncidence 1\n30\nScatterAzimuth 2\n0 180\nScatterRadial 2\n0 20\n\n\
+    Monochrome\nDataBegin\nTIS 0.5\n.1 .2\n.1 .3\nTIS 0.5\n.2 .2\n.2 .4\nDataEnd\n";
+
+/// Two planes of incidence.
+const LIGHTTOOLS: &str = "Symmetry Asymmetric\nSpectralContent Monochrome\nScatterAzimuth 4\n0 90 180 270\nScatterRadial 2\n\
+    0 30\nDataBegin\nAOI 30\nPOI 0\nSide Front\nScatterType BRDF\nTIS .3\n.1 .1 .1 .1 .1 .1 .1 .9\n\
+    AOI 30\nPOI 90\nSide Front\nScatterType BRDF\nTIS .3\n.1 .1 .1 .1 .1 .1 .1 .5\nDataEnd\n";
+
+/// Two angles of a sample.
+const SPEOS: &str = "OPTIS - Anisotropic BSDF surface file v8.0\n0\nc\n1\nd0 1 0\n1 0\n1\n2\n0 90\n1\n20\n1\n20\n20 0\n\
+    2\n350 50\n850 50\n2 2\n0 180\n0 1 1\n40 2 1\n2 2\n0 180\n0 1 1\n40 3 1\nEnd of file\n";
+
+/// A table of text with a turn.
+const ROTATION: &str = "theta_i,phi_i,theta_o,phi_o,rotation,f\n20,0,30,180,0,0.1\n20,0,30,180,90,0.3\n40,0,20,90,0,0.2\n\
+    40,0,20,90,90,0.1\n60,0,70,180,45,2\n";
+
 fn files() -> Files {
     let mut files = Files::new();
     materials(&mut files);
@@ -72,6 +90,11 @@ fn files() -> Files {
     for (which, (name, file)) in (0u8..).zip(others) {
         add(&format!("formats/{name}"), &[&[which][..], file].concat());
     }
+    // Samples that were turned.
+    for (name, which, text) in [("zemax", 0, ZEMAX), ("lighttools", 1, LIGHTTOOLS), ("speos", 2, SPEOS)] {
+        add(&format!("formats/{name}-turned"), &[&[which], text.as_bytes()].concat());
+    }
+    add("csv/rotation", ROTATION.as_bytes());
     // Half plane waves: enough to be no constant.
     let weights = |n: usize| ((n as f32 * 0.7).sin() * 0.3).to_le_bytes();
     add("neural/one", &(0..675).flat_map(weights).collect::<Vec<u8>>());
