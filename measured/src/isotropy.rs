@@ -296,7 +296,7 @@ mod tests {
     #[test]
     fn steps_from_turn_to_turn_tell_a_lattice_from_noise_and_tilt() {
         let mut random = crate::numeric::random::Random::new(9);
-        let mut rows = |f: &mut dyn FnMut(f64) -> f64| -> Vec<Row> {
+        let rows = |f: &mut dyn FnMut(f64) -> f64| -> Vec<Row> {
             let turns = (0..18).flat_map(|turn| (0..40).map(move |n| (0.35 * f64::from(turn), f64::from(n))));
             let row = |(turn, n): (f64, f64)| {
                 let wi = direction(0.2 + 0.3 * (n % 4.0), turn);

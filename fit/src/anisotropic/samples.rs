@@ -16,9 +16,12 @@ const MOST: usize = 1000;
 /// Directions by which the albedo of the completion is found.
 const WHOLE: Density = Density { hemisphere: 600, cap: 150 };
 
+/// Incident and outgoing direction, the latter the one that was held, and f.
+type Seen = ([f64; 3], [f64; 3], [f64; 3]);
+
 /// The views; `None` where outgoing directions have no pattern. Albedos are those of the completion.
 pub(super) fn views(brdf: &dyn Brdf, rows: &[Row], is_light_fixed: bool) -> Option<Vec<TurnedView>> {
-    let mut groups: BTreeMap<[i64; 2], Vec<([f64; 3], [f64; 3], [f64; 3])>> = BTreeMap::new();
+    let mut groups: BTreeMap<[i64; 2], Vec<Seen>> = BTreeMap::new();
     for row in rows {
         let (wi, wo) = if is_light_fixed { (row.wo, row.wi) } else { (row.wi, row.wo) };
         let key = [wo[0], wo[1]].map(|v| libm::round(v / SAME) as i64);

@@ -173,7 +173,7 @@ pub(super) fn gaps_of_turned(rows: &[Row], is_half: bool) -> Gaps {
             // Over the whole hemisphere.
             let is_empty = |i: &usize| {
                 let [x, y, z] = spread(*i);
-                let d = if i % 2 == 0 { [x, y, z] } else { [x, -y, z] };
+                let d = if i.is_multiple_of(2) { [x, y, z] } else { [x, -y, z] };
                 !around.iter().any(|s| dot(*s, d) > near)
             };
             empty += (0..DIRECTIONS).filter(is_empty).count();

@@ -32,14 +32,14 @@ impl Operation for Row<'_> {
 
     #[inline(always)]
     fn run<V: Vectors>(self, _: V) {
-        if self.from.len() == ISOTROPIC { self.of::<V, ISOTROPIC>() } else { self.of::<V, COORDINATES>() }
+        if self.from.len() == ISOTROPIC { self.of::<ISOTROPIC>() } else { self.of::<COORDINATES>() }
     }
 }
 
 impl Row<'_> {
     /// With the first coordinates, that number of them.
     #[inline(always)]
-    fn of<V: Vectors, const OF: usize>(self) {
+    fn of<const OF: usize>(self) {
         let Self { kernel, from, to, out } = self;
         let weights = kernel.lengths.map(|l| 5.0 / (l * l));
         let len = out.len();
