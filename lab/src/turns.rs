@@ -135,12 +135,11 @@ fn samples(truth: &dyn Brdf, noise: f64) -> String {
 /// f of a material.
 struct Lobes<'a>(&'a Material<&'a [u8]>);
 
+/// Values of f for an outgoing direction and incident ones.
+type Values<'a> = dyn Fn([f64; 3], &[[f64; 3]]) -> Vec<[f64; 3]> + 'a;
+
 /// Relative L2 distance of `f cos` from the truth: the mean over outgoing directions.
-fn error(
-    truth: &dyn Brdf,
-    views: &[(f64, f64)],
-    values: &dyn Fn([f64; 3], &[[f64; 3]]) -> Vec<[f64; 3]>,
-) -> f64 {
+fn error(truth: &dyn Brdf, views: &[(f64, f64)], values: &Values<'_>) -> f64 {
     let mut sum = 0.0;
     for &(theta, phi) in views {
         let (wo, mirror) = (direction(theta, phi), direction(theta, phi + PI));
