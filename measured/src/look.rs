@@ -149,7 +149,8 @@ impl Look {
         let reciprocity = Reciprocity::of(&places.swapped());
         // Where a cosine is left, all angles do.
         let is_of_cosine = reciprocity.is_some_and(|found| found.cosine.is_some());
-        let contradicted = if is_of_cosine { Vec::new() } else { contradicted(&few, intake.is_light_fixed, is_turned) };
+        let contradicted =
+            if is_of_cosine { Vec::new() } else { contradicted(&few, intake.is_light_fixed, is_turned) };
         let mut look = Self {
             format: intake.format,
             samples: intake.rows.len(),
