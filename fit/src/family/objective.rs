@@ -83,6 +83,14 @@ pub(crate) struct Objective<V: Views> {
     factors: Option<Factors>,
 }
 
+/// Largest difference of the channels of a grey sample, over the largest of them.
+const GREY: f64 = 1e-6;
+
+fn is_grey(sample: &Sample) -> bool {
+    let [least, most] = [f64::min, f64::max].map(|of| sample.rgb.into_iter().reduce(of).unwrap_or_default());
+    most - least <= GREY * most.abs().max(least.abs())
+}
+
 impl<V: Views> Objective<V> {
     /// Over views and where they lie. `factors`: the table that multiplies the lobes.
     pub fn over(
@@ -137,9 +145,12 @@ impl<V: Views> Objective<V> {
         };
         let views = table.iter().map(data).collect();
         let p = layout.stride();
+        // Of one wavelength, say: rounding would grow to colours where a fit hardly feels them.
+        let is_grey = table.iter().flat_map(|(_, view)| &view.samples).all(is_grey);
         let bounds = |unknown: usize| {
             let (stored, index) = (unknown / p, unknown % p);
-            if V::fixed(&layout, stored, index) { (0.0, 0.0) } else { layout.bounds(index) }
+            let is_fixed = V::fixed(&layout, stored, index) || is_grey && layout.is_color(index);
+            if is_fixed { (0.0, 0.0) } else { layout.bounds(index) }
         };
         let mut bounds: Vec<(f64, f64)> = (0..layout.len()).map(bounds).collect();
         V::narrow(&layout, table, &mut bounds);
