@@ -183,8 +183,26 @@ mod tests {
     #[test]
     fn what_no_format_holds_is_refused() {
         let brushed = model("ward:alpha_x=0.1,alpha_y=0.4");
-        assert!(merl(brushed.as_ref()).is_err() && rgl(brushed.as_ref(), None).is_err());
-        assert!(sampled(brushed.as_ref()).is_err());
+        assert!(merl(brushed.as_ref()).is_err() && sampled(brushed.as_ref()).is_err());
+    }
+
+    #[test]
+    fn surfaces_that_a_turn_changes_come_back() {
+        let brushed = model("ward:alpha_x=0.1,alpha_y=0.4");
+        let back = read::rgl::parse(&rgl(brushed.as_ref(), None).unwrap()).unwrap();
+        for (angle, error) in difference(&back, brushed.as_ref()).unwrap() {
+            assert!(error < 0.04, "at {angle} degrees {error}");
+        }
+        let (text, count) = csv_of_turned(brushed.as_ref());
+        let intake = read::csv::parse(text.as_bytes(), &read::Conventions::default()).unwrap();
+        assert_eq!(intake.rows.len(), count);
+        for row in intake.rows.iter().step_by(97) {
+            let expected = brushed.evaluate(row.wi, row.wo);
+            assert!(
+                (0..3).all(|c| (row.rgb[c] - expected[c]).abs() < 1e-6 * expected[c]),
+                "{row:?} {expected:?}"
+            );
+        }
     }
 
     #[test]
