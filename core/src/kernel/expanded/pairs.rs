@@ -17,7 +17,7 @@ use crate::simd::lanes::WIDEST;
 impl Expanded<'_> {
     /// Draws and evaluates for n hits, each with an outgoing direction of its own: outputs that are given are wanted.
     ///
-    /// The answers of [`prepare`](Self::prepare) and the verbs of a [`Mixture`](crate::Mixture) but for rounding. An
+    /// The answers of [`prepare`](Self::prepare) and the verbs of a [`Mixture`] but for rounding. An
     /// outgoing direction below the horizon, or none at all (not finite, not of unit length), reflects nothing.
     ///
     /// Shapes: `wo` x, y, z, each `[n]`; every slice of the request `[n]`.
