@@ -5,6 +5,7 @@
 //!
 //! May import: `judge`.
 
+pub(crate) mod balance;
 pub(crate) mod factors;
 pub(crate) mod layout;
 pub(crate) mod lobes;

@@ -1,17 +1,15 @@
-//! The last touch of a fit: amplitudes scaled, stored view by stored view, until the largest error of the albedo is as small as it gets.
+//! Factors on amplitudes along one angle, by which the largest error of the albedo becomes as small as it gets: `family/balance.rs` asks for them.
 //!
-//! The solver holds the mean square of those errors down beside everything else, at the views of its table; the albedo is asked
-//! for at any view. A factor on all amplitudes of a channel at a stored view changes the albedo by nearly a hat
+//! A factor on all amplitudes of a channel at a stored view changes the albedo by nearly a hat
 //! function of the angle: so the best factors are the solution of a linear problem, in the norm of a high power,
 //! by iteratively reweighted least squares (Lawson 1961; Karlovitz 1970 for the shortened step).
 
+use crate::family::balance::{Balance, Row};
 use crate::family::factors::Factors;
 use crate::family::tuning::factors::AVERAGED;
-use crate::isotropic::line::Layout;
+use crate::isotropic::line::{Layout, LinePlace};
 use crate::isotropic::tuning::balance::{MOST, PASSES, POWER, STAY, STEPS, UNCERTAIN};
-use crate::judge::energy::EnergyError;
 use crate::numeric::banded::Banded;
-use rayon::prelude::*;
 
 /// Scales the amplitudes at all stored views. `albedo`: angles, radians, and the albedo of the data there. Returns the largest error that is
 /// left.
@@ -21,58 +19,22 @@ pub(crate) fn balance(
     table: Option<&Factors>,
     albedo: &[(f64, [f64; 3])],
 ) -> f64 {
-    let p = layout.stride();
-    let energy = EnergyError::new(albedo.iter().map(|(_, albedo)| *albedo));
-    let rows = |x: &[f64]| -> Vec<[Row; 3]> {
-        let row = |&(theta, data): &(f64, [f64; 3])| {
-            let mut q = vec![0.0; p];
-            let place = layout.place(theta);
-            layout.interpolate(x, place, &mut q);
-            let fitted = layout.albedo(&q, table.map(|f| f.means(layout, &q, theta, AVERAGED)).as_deref());
-            let errors = energy.errors(fitted, data);
-            [0, 1, 2].map(|c| Row { place, error: errors[c], slope: fitted[c] / energy.scale(data, c) })
-        };
-        albedo.par_iter().map(row).collect()
+    let aims: Vec<_> = albedo.iter().map(|&(theta, data)| (layout.place(theta), data)).collect();
+    let of = |number: usize, q: &[f64]| {
+        let theta = albedo[number].0;
+        layout.albedo(q, table.map(|f| f.means(layout, q, theta, AVERAGED)).as_deref())
     };
-    let largest =
-        |rows: &[[Row; 3]], c: usize| rows.iter().fold(0.0, |most: f64, row| most.max(row[c].error.abs()));
-    // Between two stored views the albedo is not quite a straight line, so the factors are fitted once more from the result. A channel that has become
-    // worse, as one near 0 may, stays as it was.
-    let mut at = rows(x);
-    for _ in 0..PASSES {
-        let factors = [0, 1, 2]
-            .map(|c| factors(&at.iter().map(|row| row[c]).collect::<Vec<_>>(), layout.views.angles.len()));
-        let mut is_kept = [true; 3];
-        for _ in 0..2 {
-            let moved = layout.scaled(x, &factors, is_kept, MOST);
-            let then = rows(&moved);
-            let kept = [0, 1, 2].map(|c| is_kept[c] && largest(&then, c) <= largest(&at, c));
-            if kept == is_kept {
-                x.copy_from_slice(&moved);
-                at = then;
-                break;
-            }
-            is_kept = kept;
-        }
-    }
-    (0..3).fold(0.0, |most, c| most.max(largest(&at, c)))
-}
-
-/// The error of a channel's albedo between two stored views, and its derivative by the logarithm of a factor on all amplitudes.
-#[derive(Clone, Copy, Debug)]
-struct Row {
-    place: (usize, f64),
-    error: f64,
-    slope: f64,
+    let balance = Balance { layout, aims: &aims, albedo: of, passes: PASSES, most: MOST };
+    balance.scale(x, |rows| factors(rows, layout.views.angles.len()))
 }
 
 /// Factors at the stored views, interpolated.
-fn at(factors: &[f64], (stored, blend): (usize, f64)) -> f64 {
+fn at(factors: &[f64], (stored, blend): LinePlace) -> f64 {
     (1.0 - blend) * factors[stored] + if blend > 0.0 { blend * factors[stored + 1] } else { 0.0 }
 }
 
 /// Logarithms of factors at the stored views that make the largest error small.
-fn factors(rows: &[Row], count: usize) -> Vec<f64> {
+fn factors(rows: &[Row<LinePlace>], count: usize) -> Vec<f64> {
     let mut factors = vec![0.0; count];
     for _ in 0..STEPS {
         let errors: Vec<f64> =
@@ -115,7 +77,7 @@ mod tests {
     fn largest(error: impl Fn(f64) -> f64) -> (f64, f64) {
         let places: Vec<(usize, f64)> = (0..80).map(|i| (i / 20, (i % 20) as f64 / 20.0)).collect();
         let row = |&(k, b): &(usize, f64)| Row { place: (k, b), error: error(k as f64 + b), slope: 1.0 };
-        let rows: Vec<Row> = places.iter().map(row).collect();
+        let rows: Vec<Row<LinePlace>> = places.iter().map(row).collect();
         let factors = factors(&rows, 5);
         let after = rows.iter().map(|r| (r.error + at(&factors, r.place)).abs());
         (rows.iter().fold(0.0, |m, r| m.max(r.error.abs())), after.fold(0.0, f64::max))

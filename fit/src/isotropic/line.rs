@@ -34,7 +34,7 @@ pub(crate) type Layout = Family<Line>;
 pub(crate) type Objective = objective::Objective<Line>;
 
 /// The stored view before an angle of the outgoing direction, and how far towards the next one it lies, 0 to 1.
-type LinePlace = (usize, f64);
+pub(crate) type LinePlace = (usize, f64);
 
 impl Views for Line {
     type Place = LinePlace;

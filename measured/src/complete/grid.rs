@@ -27,7 +27,7 @@ impl Grid {
         turn: Option<Turn>,
         value: impl Fn(&Pair, &[f64; COORDINATES]) -> [f64; 3] + Sync,
     ) -> Self {
-        let farthest = turn.map_or(1.0, |turn| turn.along.max(1.0 / turn.along));
+        let farthest = turn.map_or(1.0, |turn| turn.along);
         let most = libm::asinh(farthest / width);
         let lean = |n: usize, of: usize| width * libm::sinh(most * part(n, of));
         let isotropic = |n: usize| {
