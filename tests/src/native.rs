@@ -20,12 +20,12 @@ fn target() -> PathBuf {
 
 /// Builds the C library with the fits in the release profile, and returns the folder that holds `libsrbf_fit.a` and `libsrbf_fit.so`.
 ///
-/// With the whole workspace, whose features it has then: `cargo test` has compiled all but the library itself, and the level is capped as
-/// that of a test is. `.ci/checks/20-install` tries the library as a C program's build makes it. Cargo serialises the builds that several
+/// With the whole workspace and its examples, which have the features of tests: `cargo test` has compiled all but the library itself, and
+/// the level is capped as that of a test is. `.ci/checks/20-install` tries the library as a C program's build makes it. Cargo serialises the builds that several
 /// tests ask for.
 pub fn library() -> &'static Path {
     static FOLDER: OnceLock<PathBuf> = OnceLock::new();
-    FOLDER.get_or_init(|| build_library(&target(), "release", &["--release", "--workspace", "--lib"]))
+    FOLDER.get_or_init(|| build_library(&target(), "release", &["--release", "--workspace", "--lib", "--examples"]))
 }
 
 /// Builds the C library with the panic that only tests have, without fits and unoptimised, which takes seconds; in a folder
