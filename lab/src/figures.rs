@@ -121,7 +121,7 @@ struct Size {
 impl Size {
     fn of(args: &Args) -> Self {
         let effort = |repeats, reference_samples| Effort { repeats, reference_samples, seed: args.seed };
-        let side = if args.quick { args.side.min(12) } else { args.side };
+        let side = if args.quick { args.side.min(6) } else { args.side };
         let [sphere_effort, scene_effort] =
             if args.quick { [effort(2, 256), effort(1, 64)] } else { [effort(4, 1024), effort(1, 512)] };
         Self { sphere: side, scene: [2 * side, 3 * side / 2], sphere_effort, scene_effort }

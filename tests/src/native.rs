@@ -25,7 +25,9 @@ fn target() -> PathBuf {
 /// tests ask for.
 pub fn library() -> &'static Path {
     static FOLDER: OnceLock<PathBuf> = OnceLock::new();
-    FOLDER.get_or_init(|| build_library(&target(), "release", &["--release", "--workspace", "--lib", "--examples"]))
+    FOLDER.get_or_init(|| {
+        build_library(&target(), "release", &["--release", "--workspace", "--lib", "--examples"])
+    })
 }
 
 /// Builds the C library with the panic that only tests have, without fits and unoptimised, which takes seconds; in a folder
