@@ -1,18 +1,21 @@
-//! The cost of sampling light and material together: one draw of 8, 16 and 32 candidates, relative to one draw by multiple
-//! importance sampling, which is a lobe's and the environment's direction, both evaluated and weighed.
+//! The cost of sampling light and material together: one draw of 8, 16 and 32 candidates, and even sums over a block of light and 8
+//! directions of the lobes, relative to one draw by multiple importance sampling, which is a lobe's and the environment's direction, both
+//! evaluated and weighed.
 //!
 //! `cargo run --release -p srbf-benches --example product [LEVEL...]`, five seconds a level. Times are the least of many rounds,
 //! all in turn, over mixtures of garnet red for 64 outgoing directions; random numbers are drawn within, as a renderer would.
 
 use srbf_benches::harness::{Table, arguments, least_of, levels_of};
 use srbf_benches::{GARNET_RED, Random, Triples};
-use srbf_core::{Environment, Level, Material, Mixture, ProductSampling, Vec3, environment_len};
+use srbf_core::{Environment, Level, LightBlock, Material, Mixture, ProductSampling, Vec3, environment_len};
 use std::process::ExitCode;
 use std::time::Instant;
 
 const DRAWS: usize = 512;
 const ROUNDS: usize = 400;
 const CANDIDATES: [usize; 3] = [8, 16, 32];
+/// Directions of the lobes in even sums.
+const RAYS: usize = 8;
 
 fn main() -> ExitCode {
     let levels = match levels_of("product", &arguments()) {
@@ -20,7 +23,10 @@ fn main() -> ExitCode {
         Err(status) => return status,
     };
     let material = Material::from_bytes(GARNET_RED).expect("a valid material");
-    let heads = ["mis".to_owned()].into_iter().chain(CANDIDATES.map(|n| format!("{n} candidates")));
+    let heads = ["mis".to_owned()]
+        .into_iter()
+        .chain(CANDIDATES.map(|n| format!("{n} candidates")))
+        .chain(["even sums".to_owned()]);
     let mut table = Table::new("ns a draw, and relative to one by multiple importance sampling", heads);
     for level in levels {
         level.set().expect("an available level");
@@ -99,12 +105,28 @@ fn both_ways(
     sum + value * sample.radiance / (sample.pdf + pdf)
 }
 
+/// Sixteen samples of the light.
+fn block(environment: &Environment<Vec<u32>>, random: &mut Random) -> LightBlock {
+    LightBlock::of(|_| environment.sample([(); 3].map(|()| random.uniform())))
+}
+
 fn report(level: Level, work: &Work<'_>, environment: &Environment<Vec<u32>>, table: &mut Table) {
     let mut random = Random(9);
     let mut u = [[0.0; 32]; 3];
-    let least = least_of(ROUNDS, 1 + CANDIDATES.len(), DRAWS, |way| {
+    let blocks: Vec<_> = (0..64).map(|_| block(environment, &mut random)).collect();
+    let least = least_of(ROUNDS, 2 + CANDIDATES.len(), DRAWS, |way| {
         if way == 0 {
             return work.run(|m, frame| both_ways(m, environment, frame, &mut random));
+        }
+        if way > CANDIDATES.len() {
+            let mut next = 0;
+            return work.run(|m, frame| {
+                next = (next + 1) % blocks.len();
+                u.iter_mut().for_each(|u| u[..RAYS].fill_with(|| random.uniform()));
+                let u = u.each_ref().map(|u| &u[..RAYS]);
+                let drawn = m.reflect(environment, &blocks[next], frame, frame[2], u, random.uniform());
+                drawn.expect("equal lengths").light(true, true)
+            });
         }
         let candidates = CANDIDATES[way - 1];
         let sampling = ProductSampling::new(candidates, 0.5, f32::INFINITY).expect("in range");

@@ -4,7 +4,9 @@ use crate::{
     Triples, factored_material, garnet_mixture, garnet_red, general_mixture, mixture_at_50_degrees,
     packed_material,
 };
-use srbf_core::{Draws, LeaveOut, Material, Mixture, Request, Towards, Vec3};
+use srbf_core::{
+    Draws, Environment, LeaveOut, LightBlock, Material, Mixture, Request, Towards, Vec3, environment_len,
+};
 
 /// The work for every direction.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -43,11 +45,13 @@ pub enum Operation {
     Hit,
     /// The same in a batch.
     Hits,
+    /// Even sums of a block of light and 8 directions of the mixture.
+    Even,
 }
 
 impl Operation {
     /// Every operation with its name.
-    pub const ALL: [(&'static str, Self); 17] = [
+    pub const ALL: [(&'static str, Self); 18] = [
         ("evaluate", Self::Evaluate),
         ("pdf", Self::Pdf),
         ("sample", Self::Sample),
@@ -65,12 +69,13 @@ impl Operation {
         ("pdf-pairs", Self::PdfPairs),
         ("hit", Self::Hit),
         ("hits", Self::Hits),
+        ("even", Self::Even),
     ];
 
     /// Whether it is of a mixture that is there already.
     pub fn has_mixture(self) -> bool {
         use Operation::*;
-        matches!(self, Evaluate | Pdf | Sample | OnePdf | FreshEvaluate | OneDraw | OneSample)
+        matches!(self, Evaluate | Pdf | Sample | OnePdf | FreshEvaluate | OneDraw | OneSample | Even)
     }
 }
 
@@ -111,6 +116,7 @@ pub struct Work {
     factored_material: &'static Material,
     packed_material: &'static Material,
     factored: Mixture<'static, 64>,
+    light: Environment<Vec<u32>>,
 }
 
 impl Work {
@@ -128,6 +134,7 @@ impl Work {
             factored_material: factored_material(),
             packed_material: packed_material(),
             factored: mixture_at_50_degrees(factored_material()),
+            light: light(),
         }
     }
 
@@ -238,6 +245,19 @@ impl Work {
                 let request = Request { draw: Some(draw), evaluate: Some(towards) };
                 material.ask(directions.slices(), request).expect("equal lengths");
             }
+            Operation::Even => {
+                let block = LightBlock::of(|i| self.light.sample(uniforms.at(i % n).to_array()));
+                let [u, v, w] = uniforms.slices();
+                for (i, pdf) in pdf.iter_mut().enumerate() {
+                    let normal = directions.at(i);
+                    let tangent = normal.any_orthonormal_vector();
+                    let frame = [tangent, normal.cross(tangent), normal];
+                    let from = i % (n - 8);
+                    let u = [u, v, w].map(|u| &u[from..from + 8]);
+                    let drawn = mixture.reflect(&self.light, &block, &frame, normal, u, w[i]);
+                    *pdf = drawn.expect("equal lengths").light(true, true).x;
+                }
+            }
         }
     }
 
@@ -245,6 +265,14 @@ impl Work {
     pub fn sum(&self) -> f32 {
         self.out.iter().flatten().sum()
     }
+}
+
+/// A map of 64 x 32 pixels, brighter above, with a lamp.
+fn light() -> Environment<Vec<u32>> {
+    let mut map: Vec<[f32; 3]> = (0..64 * 32).map(|i| [1.5 - i as f32 / 2048.0; 3]).collect();
+    map[64 * 8 + 20..64 * 8 + 24].fill([40.0; 3]);
+    let memory = vec![0; environment_len(64, 32).expect("a size of a map")];
+    Environment::new(64, &map, memory).expect("a map with light")
 }
 
 /// Stores a direction number by number, as a renderer's own vectors do: where it is then read by larger parts, the read
