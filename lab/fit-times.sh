@@ -3,7 +3,7 @@
 # The program is that of the whole workspace, whose level the variable SRBF_LEVEL caps. Both levels give the same bytes.
 set -eu
 root=$(realpath "$(dirname "$0")/..")
-(cd "$root" && cargo build --quiet --release --workspace --bins)
+(cd "$root" && .ci/built)
 srbf=$(realpath "${CARGO_TARGET_DIR:-$root/target}")/release/srbf
 place=$(mktemp -d)
 trap 'rm -rf "$place"' EXIT

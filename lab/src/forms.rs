@@ -5,7 +5,8 @@
 
 mod plot;
 
-use srbf_core::{MAX_LOBES, Material, Mixture, PackOptions, Vec3};
+use crate::levels::capped_and_best;
+use srbf_core::{Level, MAX_LOBES, Material, Mixture, PackOptions, Vec3};
 use srbf_fit::pack::{PackedForm, Subject, Way, forms};
 use srbf_fit::read::read;
 use srbf_fit::{Settings, fit_content};
@@ -30,7 +31,7 @@ const WAYS: [PackOptions; 3] = [
 /// Error, bytes and time of the forms that `srbf pack` can make of a measurement: a table and a plot.
 ///
 /// The error is the mean relative L2 error of f cos over views that were not fitted, from the measurement. Hits are of one
-/// direction with its density and one draw, through codes, and through the plain numbers that they unpack to.
+/// direction with its density and one draw, through codes, and through the plain numbers that they unpack to, with AVX2 and at the best level.
 /// Writes out/NAME-forms.csv and .png.
 #[derive(Debug, clap::Args)]
 pub struct Args {
@@ -49,8 +50,8 @@ struct FormRow {
     is_fitted_again: bool,
     bytes: Vec<u8>,
     plain: Vec<u8>,
-    /// Nanoseconds: to prepare from codes; a hit through codes, and through plain numbers.
-    nanoseconds: [f64; 3],
+    /// Nanoseconds at each level: to prepare from codes; a hit through codes, and through plain numbers.
+    nanoseconds: Vec<[f64; 3]>,
 }
 
 /// Fits a measurement, makes every form, prints the table, and writes it.
@@ -80,16 +81,22 @@ pub fn run(args: &Args) -> anyhow::Result<()> {
             packed.bytes,
         )?);
     }
+    let levels = capped_and_best();
+    rows.iter_mut().for_each(|row| row.nanoseconds = vec![[f64::INFINITY; 3]; levels.len()]);
     for _ in 0..ROUNDS {
-        for row in &mut rows {
-            let timed = time(&row.bytes, &row.plain)?;
-            row.nanoseconds.iter_mut().zip(timed).for_each(|(least, new)| *least = least.min(new));
+        for (i, level) in levels.iter().enumerate() {
+            level.set()?;
+            for row in &mut rows {
+                let timed = time(&row.bytes, &row.plain)?;
+                row.nanoseconds[i].iter_mut().zip(timed).for_each(|(least, new)| *least = least.min(new));
+            }
         }
     }
 
+    println!("nanoseconds: {}", levels.iter().map(|level| level.name()).collect::<Vec<_>>().join("; "));
     print(&rows);
     let out = Path::new("out").join(format!("{name}-forms.csv"));
-    output::write(&out, csv(&rows).as_bytes())?;
+    output::write(&out, csv(&levels, &rows).as_bytes())?;
     let picture = out.with_extension("png");
     let calls = ["prepare", "hit", "hit, unpacked"];
     // A grey material is far from a coloured one, whatever its bytes.
@@ -97,9 +104,14 @@ pub fn run(args: &Args) -> anyhow::Result<()> {
     let points = colored.map(|row| plot::Point {
         error: row.error,
         bytes: row.bytes.len(),
-        nanoseconds: row.nanoseconds,
+        nanoseconds: row.nanoseconds[0],
     });
-    plot::write(&picture, &format!("{name}: forms of srbf pack"), calls, &points.collect::<Vec<_>>())?;
+    plot::write(
+        &picture,
+        &format!("{name}: forms of srbf pack, {}", levels[0].name()),
+        calls,
+        &points.collect::<Vec<_>>(),
+    )?;
     println!("{}, {}", out.display(), picture.display());
     Ok(())
 }
@@ -114,7 +126,7 @@ fn row(
 ) -> anyhow::Result<FormRow> {
     let material = Material::from_bytes(bytes.as_slice())?;
     let plain = srbf_evaluator::plain_bytes(&material).into_owned();
-    Ok(FormRow { form, bits, error, cut, is_fitted_again, bytes, plain, nanoseconds: [f64::INFINITY; 3] })
+    Ok(FormRow { form, bits, error, cut, is_fitted_again, bytes, plain, nanoseconds: Vec::new() })
 }
 
 /// Nanoseconds of preparing from codes, and of a hit through codes and through plain numbers.
@@ -159,9 +171,12 @@ fn print(rows: &[FormRow]) {
     );
     println!("|---|---|---|---|---|---|---|---|---|---|---|");
     for row in rows {
-        let [prepare, hit, plain] = row.nanoseconds;
+        let at_each = |i: usize| {
+            row.nanoseconds.iter().map(|times| format!("{:.0}", times[i])).collect::<Vec<_>>().join("; ")
+        };
+        let [prepare, hit, plain] = [0, 1, 2].map(at_each);
         println!(
-            "| {} | {} | {} | {} | {} | {} | {:.2}{} | {:.2} | {prepare:.0} | {hit:.0} | {plain:.0} |",
+            "| {} | {} | {} | {} | {} | {} | {:.2}{} | {:.2} | {prepare} | {hit} | {plain} |",
             row.bits,
             row.form.pack.channels,
             row.form.lobes,
@@ -176,15 +191,18 @@ fn print(rows: &[FormRow]) {
     println!("* fitted again");
 }
 
-fn csv(rows: &[FormRow]) -> String {
-    let mut text = "bits,channels,lobes,views,factors,bytes,relative_l2,relative_l2_cut,fitted_again,prepare_ns,hit_ns,hit_plain_ns\n"
-        .to_owned();
+fn csv(levels: &[Level], rows: &[FormRow]) -> String {
+    let mut text =
+        "bits,channels,lobes,views,factors,bytes,relative_l2,relative_l2_cut,fitted_again".to_owned();
+    // Writing to a String cannot fail.
+    for level in levels.iter().map(|level| level.name()) {
+        let _ = write!(text, ",prepare_ns_{level},hit_ns_{level},hit_plain_ns_{level}");
+    }
+    text.push('\n');
     for row in rows {
-        let [prepare, hit, plain] = row.nanoseconds;
-        // Writing to a String cannot fail.
-        let _ = writeln!(
+        let _ = write!(
             text,
-            "{},{},{},{},{},{},{:.6},{:.6},{},{prepare:.1},{hit:.1},{plain:.1}",
+            "{},{},{},{},{},{},{:.6},{:.6},{}",
             row.bits,
             row.form.pack.channels,
             row.form.lobes,
@@ -195,6 +213,10 @@ fn csv(rows: &[FormRow]) -> String {
             row.cut,
             row.is_fitted_again,
         );
+        for time in row.nanoseconds.iter().flatten() {
+            let _ = write!(text, ",{time:.1}");
+        }
+        text.push('\n');
     }
     text
 }

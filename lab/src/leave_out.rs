@@ -1,5 +1,6 @@
 //! `srbf-lab leave-out`.
 
+use crate::levels::capped_and_best;
 use srbf_core::{Draws, LeaveOut, Material, Mixture, Processor, Towards, Vec3};
 use srbf_reference_renderer::out::output;
 use srbf_reference_renderer::truth::stored::StoredMaterial;
@@ -12,7 +13,7 @@ use std::time::Instant;
 ///
 /// For each material and bound, over outgoing directions from the normal to 85 degrees: lobes and folds that are left, the
 /// relative L2 error of the value against that of the whole mixture, the albedo that is lost, and nanoseconds to prepare a mixture, to
-/// evaluate a batch and to sample a batch, per direction.
+/// evaluate a batch and to sample a batch, per direction, with AVX2 and at the best level of the processor.
 #[derive(Debug, clap::Args)]
 pub struct Args {
     /// Materials: presets or .srbf files
@@ -65,17 +66,24 @@ pub fn left(material: &Material<impl AsRef<[u8]>>, lobes: f32, folds: f32) -> an
 pub fn run(args: Args) -> anyhow::Result<()> {
     output::check_place(&args.output)?;
     let mut csv = String::from(
-        "material,lobe_bound,fold_bound,lobes,folds,relative_l2,largest_albedo_loss,prepare_ns,evaluate_ns,sample_ns\n",
+        "level,material,lobe_bound,fold_bound,lobes,folds,relative_l2,largest_albedo_loss,prepare_ns,evaluate_ns,sample_ns\n",
     );
     let batch = Batch::new();
     println!("processor: {}", Processor::this());
     println!(
         "bounds: share of the albedo below which a lobe is left out, share of a lobe below the horizon below which its fold is"
     );
-    for name in &args.materials {
+    let cases =
+        capped_and_best().into_iter().flat_map(|level| args.materials.iter().map(move |name| (level, name)));
+    for (level, name) in cases {
+        level.set()?;
         let stored = StoredMaterial::load(name)?;
         let material = &stored.material;
-        println!("\n{name}: {} lobes; ns per direction, (ratio to no bound)", material.lobe_count());
+        println!(
+            "\n{name} with {}: {} lobes; ns per direction, (ratio to no bound)",
+            level.name(),
+            material.lobe_count()
+        );
         println!(
             "   lobes    folds | lobes  folds | relative L2 % | albedo lost % | prepare        evaluate       sample         | pays from"
         );
@@ -107,7 +115,8 @@ pub fn run(args: Args) -> anyhow::Result<()> {
             let ([prepare, evaluate, sample], error) = (time, left.error);
             let _ = writeln!(
                 csv,
-                "{name},{lobes:e},{folds:e},{kept:.2},{folded:.2},{error:.3e},{:.3e},{prepare:.2},{evaluate:.3},{sample:.3}",
+                "{},{name},{lobes:e},{folds:e},{kept:.2},{folded:.2},{error:.3e},{:.3e},{prepare:.2},{evaluate:.3},{sample:.3}",
+                level.name(),
                 left.lost_albedo
             );
         }

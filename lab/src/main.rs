@@ -14,6 +14,7 @@ mod good_inputs;
 #[cfg(test)]
 mod imagined;
 mod leave_out;
+mod levels;
 mod presets;
 mod residuals;
 mod samples;

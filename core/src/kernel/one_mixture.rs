@@ -13,6 +13,7 @@ use crate::mixture::rows::{AnyMixture, LEAST_DENSITY, MixtureRef, density_of};
 use crate::simd::lanes::{Lanes, WIDEST, dot3, scale, splat3};
 use crate::simd::routine::Routine;
 use core::ops::Range;
+use glam::Vec3;
 
 /// Directions of a batch that are evaluated, and then multiplied while they are near.
 const NEAR: usize = 512;
@@ -124,8 +125,10 @@ impl MixtureRef<'_> {
     }
 
     /// Densities of values without factors: they are of the lobes alone.
-    pub(crate) fn densities(&self, value: [&[f32]; 3], pdf: &mut [f32]) {
-        self.head.level.run(Densities { value, pdf, inverse_power: self.head.inverse_power });
+    pub(crate) fn densities(&self, [red, green, blue]: [&[f32]; 3], pdf: &mut [f32]) {
+        for (i, pdf) in pdf.iter_mut().enumerate() {
+            *pdf = density_of(luminance(Vec3::new(red[i], green[i], blue[i])), self.head.inverse_power);
+        }
     }
 
     fn evaluate(&self, Towards { wi, value, mut pdf }: Towards<'_>) {
@@ -253,34 +256,6 @@ impl Block<3, 1> for Density<'_> {
         let m = self.0;
         let [sum] = sums(m, [m.head.diffuse_power], d, stage);
         [sum * L::splat(m.head.inverse_power)]
-    }
-}
-
-/// Densities of values, rounded as that of one direction.
-struct Densities<'a> {
-    value: [&'a [f32]; 3],
-    pdf: &'a mut [f32],
-    inverse_power: f32,
-}
-
-impl Routine for Densities<'_> {
-    type Output = ();
-    #[inline(always)]
-    fn run<L: Lanes>(self) {
-        let Self { value: [red, green, blue], pdf, inverse_power } = self;
-        let n = pdf.len();
-        let mut at = 0;
-        while at + L::COUNT <= n {
-            let mut sum = L::load(&red[at..]) * L::splat(LUMINANCE[0]);
-            sum = sum + L::load(&green[at..]) * L::splat(LUMINANCE[1]);
-            sum = sum + L::load(&blue[at..]) * L::splat(LUMINANCE[2]);
-            let density = sum * L::splat(inverse_power);
-            density.keep(L::splat(0.0).lt(density)).store(&mut pdf[at..]);
-            at += L::COUNT;
-        }
-        for i in at..n {
-            pdf[i] = density_of(luminance([red[i], green[i], blue[i]]), inverse_power);
-        }
     }
 }
 
