@@ -42,7 +42,7 @@ const DIRECTIONS: usize = 100;
 const BETWEEN: [f64; 4] = [12.0, 28.0, 43.0, 56.0];
 const TURNS_BETWEEN: usize = 8;
 
-/// Outgoing directions at which draws are compared with their density: degrees, each at so many turns.
+/// Outgoing directions at which draws are compared with their density: degrees, each at `TURNS_DRAWN` turns.
 const DRAWN: [f64; 6] = [7.0, 20.0, 33.0, 46.0, 59.0, 72.0];
 const TURNS_DRAWN: usize = 4;
 const DRAWS: usize = 400_000;
