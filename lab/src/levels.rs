@@ -6,6 +6,6 @@ use srbf_core::Level;
 pub fn capped_and_best() -> Vec<Level> {
     let available = || Level::ALL.into_iter().filter(|level| level.is_available());
     let mut levels: Vec<Level> = available().filter(|level| *level == Level::Avx2).collect();
-    levels.extend(available().last().filter(|best| !levels.contains(best)));
+    levels.extend(available().next_back().filter(|best| !levels.contains(best)));
     levels
 }
