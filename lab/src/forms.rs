@@ -5,7 +5,7 @@
 
 mod plot;
 
-use crate::levels::capped_and_best;
+use srbf_benches::harness::capped_and_best;
 use srbf_core::{Level, MAX_LOBES, Material, Mixture, PackOptions, Vec3};
 use srbf_fit::pack::{PackedForm, Subject, Way, forms};
 use srbf_fit::read::read;

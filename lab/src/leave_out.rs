@@ -1,6 +1,6 @@
 //! `srbf-lab leave-out`.
 
-use crate::levels::capped_and_best;
+use srbf_benches::harness::capped_and_best;
 use srbf_core::{Draws, LeaveOut, Material, Mixture, Processor, Towards, Vec3};
 use srbf_reference_renderer::out::output;
 use srbf_reference_renderer::truth::stored::StoredMaterial;

@@ -14,7 +14,6 @@ mod good_inputs;
 #[cfg(test)]
 mod imagined;
 mod leave_out;
-mod levels;
 mod presets;
 mod residuals;
 mod samples;
