@@ -7,7 +7,7 @@ cd "$(dirname "$0")/../.."
 unset RUSTFLAGS
 place=$(realpath -m "${CARGO_TARGET_DIR:-target}/firmware")
 here=$PWD/tests/firmware
-export CARGO_PROFILE_RELEASE_OPT_LEVEL=s RUSTC=/usr/bin/rustc RUSTC_BOOTSTRAP=1
+export CARGO_PROFILE_RELEASE_OPT_LEVEL=s
 # The linker and its script for a target.
 linked() {
     local name
@@ -20,11 +20,9 @@ linked wasm32-unknown-unknown wasm-ld "-Clinker-flavor=wasm-ld -Clink-arg=--no-e
 linked x86_64-unknown-linux-gnu cc "-Clink-arg=-nostartfiles -Clink-arg=-Wl,-e,reset -Clink-arg=-lc"
 # size TARGET FEATURES: bytes of code and constants.
 size() {
-    local target=$1 features=$2 program std=(-Zbuild-std=core -Zbuild-std-features=compiler-builtins-mem)
-    # The computer's own standard library is there.
-    [ "$target" = x86_64-unknown-linux-gnu ] && std=()
-    /usr/bin/cargo build --quiet --locked --release --manifest-path "$here/Cargo.toml" --bin size \
-        ${features:+--features "$features"} --target "$target" --target-dir "$place/s" ${std[@]+"${std[@]}"} >&2
+    local target=$1 features=$2 program
+    cargo build --quiet --locked --release --manifest-path "$here/Cargo.toml" --bin size \
+        ${features:+--features "$features"} --target "$target" --target-dir "$place/s" >&2
     program=$place/s/$target/release/size
     if [ "$target" = wasm32-unknown-unknown ]; then
         wc -c <"$program.wasm"
