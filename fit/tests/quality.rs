@@ -71,11 +71,9 @@ fn errors_are_as_stated() {
 #[test]
 fn optional_stages_pay() {
     let all = settings();
-    let stages: [(&str, Settings, f64); 4] = [
-        ("exchanges", Settings { exchanges: 0, ..all.clone() }, 1.0),
+    let stages: [(&str, Settings, f64); 2] = [
         ("pairs beside the plane", Settings { mirrored: Some(0), ..all.clone() }, 1.02),
         ("factors", Settings { factors: FactorNodes::None, ..all.clone() }, 1.2),
-        ("four starts for one", Settings { starts: 1, ..all.clone() }, 1.0),
     ];
     let models = models();
     let with = geometric_mean(&WITH_ALL);

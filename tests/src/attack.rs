@@ -17,6 +17,7 @@ mod input;
 mod material;
 #[path = "attack/mixture.rs"]
 mod mixture;
+#[cfg(feature = "readers")]
 #[path = "attack/tables.rs"]
 mod tables;
 
@@ -40,19 +41,28 @@ const fn target(name: &'static str, run: fn(&[u8]) -> bool) -> Target {
 
 /// Every target.
 pub const TARGETS: &[Target] = &[
+    #[cfg(feature = "readers")]
     target("astm", tables::astm),
+    #[cfg(feature = "readers")]
     target("cornell", tables::cornell),
+    #[cfg(feature = "readers")]
     target("csv", tables::csv),
     target("environment_made", environment::made),
     target("environment_read", environment::read),
+    #[cfg(feature = "readers")]
     target("exports", tables::exports),
+    #[cfg(feature = "readers")]
     target("formats", tables::formats),
     target("material", material::material),
+    #[cfg(feature = "readers")]
     target("merl", tables::merl),
     target("mixture", mixture::mixture),
+    #[cfg(feature = "readers")]
     target("neural", tables::neural),
     target("product", environment::product),
+    #[cfg(feature = "readers")]
     target("rgl", tables::rgl),
+    #[cfg(feature = "readers")]
     target("utia", tables::utia),
 ];
 

@@ -96,7 +96,7 @@ fn white_furnace() -> anyhow::Result<Vec<Figure>> {
     };
     let mut film = Film::new(SIZE);
     add_samples(&scene, &camera, &settings, &mut film, 128, &Progress::hidden())?;
-    let found = furnace::compare(&scene, &camera, glam::Vec3::ONE, &film);
+    let found = furnace::compare(&furnace::albedos(&scene, &camera, SIZE), glam::Vec3::ONE, &film);
     Ok(vec![
         Figure::rounded("furnace red", found.rendered.x, 6),
         Figure::rounded("furnace error", found.standard_error.x, 6),

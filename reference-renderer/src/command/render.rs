@@ -286,7 +286,10 @@ fn render(args: &Args) -> anyhow::Result<()> {
         Some(_) if film.samples < 2 => {
             println!("white furnace: no standard error, at least two samples a pixel are needed");
         }
-        Some(radiance) => print_furnace(&furnace::compare(&scene, &camera, radiance, &film)),
+        Some(radiance) => {
+            let albedos = furnace::albedos(&scene, &camera, film.size());
+            print_furnace(&furnace::compare(&albedos, radiance, &film));
+        }
         None => {}
     }
     print_cast(&cast, &samplers, strategy);

@@ -37,26 +37,54 @@ impl Furnace {
     }
 }
 
-/// Compares a film of the scene with the sphere, under constant radiance, with the albedo.
-pub fn compare(scene: &Scene<'_>, camera: &Camera, radiance: Vec3, film: &Film) -> Furnace {
+/// The mean directional albedo of each pixel of a picture of the given size; `None` where the sphere does not fill it.
+pub fn albedos(scene: &Scene<'_>, camera: &Camera, size: [u32; 2]) -> Vec<Option<DVec3>> {
     let table = match scene.object().truth {
         Truth::Lobes(_) => None,
         Truth::Table(measured) => Some(AlbedoTable::new(measured)),
     };
-    let rows: Vec<Furnace> = (0..film.size()[1])
-        .into_par_iter()
-        .map_init(Scattering::empty, |scattering, y| {
-            let albedo = |ray: &Ray| albedo(scene, ray, table.as_ref(), scattering);
-            row(scene, camera, radiance, film, y, albedo)
+    let pixels = (0..size[0] * size[1]).into_par_iter();
+    pixels
+        .map_init(Scattering::empty, |scattering, i| {
+            let at = [(i % size[0]) as f32, (i / size[0]) as f32];
+            of_pixel(scene, camera, at, |ray| albedo(scene, ray, table.as_ref(), scattering))
         })
-        .collect();
-    // In the order of the rows, so that the sums do not depend on the threads.
+        .collect()
+}
+
+/// The mean albedo of the pixel whose left upper corner is at `at`.
+fn of_pixel(
+    scene: &Scene<'_>,
+    camera: &Camera,
+    at: [f32; 2],
+    mut albedo: impl FnMut(&Ray) -> DVec3,
+) -> Option<DVec3> {
+    let ray = |x: f32, y: f32| camera.ray(at[0] + x, at[1] + y);
+    // The picture of a sphere is convex: a pixel with its four corners in it lies in it whole.
+    let corners = [(0.0, 0.0), (1.0, 0.0), (0.0, 1.0), (1.0, 1.0)];
+    if !corners.iter().all(|&(x, y)| scene.hit(&ray(x, y)).is_some()) {
+        return None;
+    }
+    let inside = |n: u32| (n as f32 + 0.5) / GRID as f32;
+    let points = (0..GRID).flat_map(|i| (0..GRID).map(move |j| (i, j)));
+    let sum: DVec3 = points.map(|(i, j)| albedo(&ray(inside(i), inside(j)))).sum();
+    Some(sum / f64::from(GRID * GRID))
+}
+
+/// Compares a film of the scene with the sphere, under constant radiance, with the albedos of its pixels.
+///
+/// # Panics
+/// If there are not as many albedos as pixels.
+pub fn compare(albedos: &[Option<DVec3>], radiance: Vec3, film: &Film) -> Furnace {
+    assert_eq!(albedos.len(), (film.size()[0] * film.size()[1]) as usize, "an albedo for each pixel");
     let mut result = NOTHING;
-    for row in rows {
-        result.pixels += row.pixels;
-        result.rendered += row.rendered;
-        result.standard_error += row.standard_error;
-        result.expected += row.expected;
+    // Of the standard error: the sum of squares.
+    for (pixel, albedo) in albedos.iter().enumerate().filter_map(|(pixel, albedo)| Some((pixel, (*albedo)?)))
+    {
+        result.pixels += 1;
+        result.rendered += film.mean(pixel);
+        result.standard_error += film.variance_of_mean(pixel);
+        result.expected += albedo * radiance.as_dvec3();
     }
     let n = (result.pixels.max(1)) as f64;
     result.rendered /= n;
@@ -67,37 +95,6 @@ pub fn compare(scene: &Scene<'_>, camera: &Camera, radiance: Vec3, film: &Film) 
 
 const NOTHING: Furnace =
     Furnace { pixels: 0, rendered: DVec3::ZERO, standard_error: DVec3::ZERO, expected: DVec3::ZERO };
-
-/// Sums over the pixels of a row; of squares of the standard error.
-fn row(
-    scene: &Scene<'_>,
-    camera: &Camera,
-    radiance: Vec3,
-    film: &Film,
-    y: u32,
-    mut albedo: impl FnMut(&Ray) -> DVec3,
-) -> Furnace {
-    let width = film.size()[0];
-    let mut sums = NOTHING;
-    for x in 0..width {
-        let (left, top) = (x as f32, y as f32);
-        // The picture of a sphere is convex: a pixel with its four corners in it lies in it whole.
-        let corners = [(0.0, 0.0), (1.0, 0.0), (0.0, 1.0), (1.0, 1.0)];
-        if !corners.iter().all(|(dx, dy)| scene.hit(&camera.ray(left + dx, top + dy)).is_some()) {
-            continue;
-        }
-        let pixel = (y * width + x) as usize;
-        sums.pixels += 1;
-        sums.rendered += film.mean(pixel);
-        sums.standard_error += film.variance_of_mean(pixel);
-        for (i, j) in (0..GRID).flat_map(|i| (0..GRID).map(move |j| (i, j))) {
-            let inside = |n: u32| (n as f32 + 0.5) / GRID as f32;
-            let ray = camera.ray(left + inside(i), top + inside(j));
-            sums.expected += albedo(&ray) * radiance.as_dvec3() / f64::from(GRID * GRID);
-        }
-    }
-    sums
-}
 
 /// The directional albedo where a ray meets the sphere; 0 where it does not.
 fn albedo<'a>(
@@ -169,6 +166,7 @@ mod tests {
         let environment = Environment::constant(1.7).unwrap();
         let (size, camera) = ([24, 24], SceneName::Sphere.camera([24, 24]));
         for truth in [Truth::Lobes(&lobes.material), Truth::Table(&table)] {
+            let mut expected = None;
             // Warps come with files, and the random walk is biased.
             let is_tried = |name: &SamplerName| !matches!(name, SamplerName::Rgl | SamplerName::ThesisWalk);
             for name in SamplerName::all().filter(is_tried) {
@@ -176,6 +174,7 @@ mod tests {
                 let Ok(sampler) = Sampler::fit(name, &truth, None) else { continue };
                 let shader = Shader { truth, sampler: &sampler };
                 let scene = Scene::new(SceneName::Sphere, shader, shader, &environment);
+                let expected = expected.get_or_insert_with(|| albedos(&scene, &camera, size));
                 let split = if name.is_multi() { 4 } else { 1 };
                 for light in [Light::Off, Light::Mis] {
                     let settings =
@@ -183,7 +182,7 @@ mod tests {
                     let mut film = Film::new(size);
                     add_samples(&scene, &camera, &settings, &mut film, 256 / split, &Progress::hidden())
                         .unwrap();
-                    let furnace = compare(&scene, &camera, Vec3::splat(1.7), &film);
+                    let furnace = compare(expected, Vec3::splat(1.7), &film);
                     let deviation = (furnace.rendered - furnace.expected).abs();
                     let allowed = 4.0 * furnace.standard_error + 2e-4 * furnace.expected.abs();
                     assert!(deviation.cmple(allowed).all(), "{}, {light:?}: {furnace:?}", name.text());
@@ -198,12 +197,13 @@ mod tests {
         let scene = Scene::new(SceneName::Sphere, material, material, &environment);
         let size = [32, 32];
         let camera = SceneName::Sphere.camera(size);
+        let expected = albedos(&scene, &camera, size);
         for light in [Light::Off, Light::Mis, Light::Only, Light::Product] {
             let settings =
                 RenderSettings { light, split: 1, max_bounces: 4, points: PointsName::Random, seed: 3 };
             let mut film = Film::new(size);
             add_samples(&scene, &camera, &settings, &mut film, 256, &Progress::hidden()).unwrap();
-            let furnace = compare(&scene, &camera, Vec3::splat(1.7), &film);
+            let furnace = compare(&expected, Vec3::splat(1.7), &film);
             assert!(furnace.pixels > 300);
             // Within four standard errors and the error of evaluating the closed form on a grid in each pixel.
             let deviation = (furnace.rendered - furnace.expected).abs();

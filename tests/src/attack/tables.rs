@@ -2,11 +2,11 @@
 
 use super::input::{above, random};
 use crate::inputs::Random;
-use srbf_fit::ReadError;
-use srbf_fit::analytic;
-use srbf_fit::export;
-use srbf_fit::read::{self, Content, Conventions, Intake, astm, cornell, csv, merl, neural, rgl, utia};
-use srbf_fit::table::{Brdf, Scattered, Table};
+use srbf_measured::ReadError;
+use srbf_measured::analytic;
+use srbf_measured::export;
+use srbf_measured::read::{self, Content, Conventions, Intake, astm, cornell, csv, merl, neural, rgl, utia};
+use srbf_measured::table::{Brdf, Scattered, Table};
 use std::path::Path;
 
 /// Most samples and views of which a table is made: beyond, an execution takes too long.
