@@ -84,9 +84,9 @@ fn stored_albedos_of_measured_materials_hold() {
         PathBuf::from(std::env::var_os("SRBF_DATA_DIR").expect("SRBF_DATA_DIR names the data folder"));
     let bounds = [
         ("vch_golden_yellow", [0.06, 0.2]),
-        // At 81 to 83 degrees, on both sides of a view, where the true albedo has a bump. The flake's has bends between its views.
+        // At 24 and 67 degrees, where the true albedo bends between views.
         ("cc_green_malachite", [0.5, 1.4]),
-        ("irid_flake_paint1", [0.42, 2.1]),
+        ("irid_flake_paint1", [0.25, 0.8]),
     ];
     for (name, bounds) in bounds {
         let file = folder.join("rgl").join(format!("{name}_rgb.bsdf"));

@@ -14,6 +14,7 @@ mod good_inputs;
 #[cfg(test)]
 mod imagined;
 mod leave_out;
+mod made_tables;
 mod presets;
 mod residuals;
 mod samples;
@@ -56,6 +57,7 @@ enum Command {
     Stability(stability::Args),
     Stated(stated::Args),
     LeaveOut(leave_out::Args),
+    MadeTables(made_tables::Args),
     Samples(samples::Args),
     Slice(slice::Args),
     Spectra(spectra::Args),
@@ -82,6 +84,7 @@ fn main() -> ExitCode {
             Command::Stability(args) => stability::run(args),
             Command::Stated(args) => stated::run(&args),
             Command::LeaveOut(args) => leave_out::run(args),
+            Command::MadeTables(args) => made_tables::run(&args),
             Command::Samples(args) => samples::run(args),
             Command::Slice(args) => slice::run(args),
             Command::Spectra(args) => spectra::run(&args),

@@ -24,7 +24,8 @@ use crate::family::layout::{Layout, Views};
 use crate::family::lobes::Lobes;
 use crate::family::tuning::factors::{AVERAGED, ENERGY};
 use crate::family::tuning::objective::{
-    ALBEDO_ERROR, CEILING, CEILING_WEIGHT, MOST_ALBEDO, MOST_FACTOR, MOST_SHORT, SHORT, TAIL_FLOOR,
+    ALBEDO_ERROR, CEILING, CEILING_WEIGHT, FALSELY_NEGATIVE, MOST_ALBEDO, MOST_FACTOR, MOST_GRAZING,
+    MOST_SHORT, NEAR_ZERO, SHORT, TAIL_FLOOR,
 };
 use crate::judge::energy::EnergyError;
 use crate::judge::measure::{self, brightness};
@@ -122,7 +123,8 @@ impl<V: Views> Objective<V> {
                     rest: 0.0,
                     value: 0.0,
                     base: s.weight / norm / count,
-                    measure: emphasis.measure * s.weight / count
+                    by_sign: [1.0; 3],
+                    measure: emphasis.measure * grazing(s.direction[2]) * s.weight / count
                         * measure::weight(brightness(s.rgb), level, s.direction[2])
                         * measure::beside_highlight(s.direction, view.theta),
                     measure_floor: measure::floor(level) * s.direction[2],
@@ -182,6 +184,7 @@ impl<V: Views> Objective<V> {
     /// tail counts as if the lobes' values were the table's where they are lower: there a renderer that samples the lobes gets its
     /// largest weights. Albedos count the more, the worse they are.
     pub fn reweighed(mut self, x: &[f64]) -> Self {
+        let has_factors = self.factors.is_some();
         let mut q = vec![0.0; self.layout.stride()];
         let mut views = std::mem::take(&mut self.views);
         let mut errors = Vec::with_capacity(views.len());
@@ -200,7 +203,9 @@ impl<V: Views> Objective<V> {
                 let short = bright / (SHORT * brightness(lobes)).max(1e-300);
                 let short = (short * short).clamp(1.0, MOST_SHORT);
                 let density = point.tail * short / (brightness(lobes).min(bright) + point.floor);
-                (point.measure * secant, density)
+                let by_sign =
+                    [0, 1, 2].map(|c| if has_factors { by_sign(value[c], point.target[c]) } else { 1.0 });
+                (point.measure * secant, density, by_sign)
             });
             weights.push(terms.collect::<Vec<_>>());
             errors.push(libm::sqrt(square));
@@ -215,7 +220,8 @@ impl<V: Views> Objective<V> {
         let mean = errors.iter().sum::<f64>() / errors.len().max(1) as f64;
         for ((view, error), weights) in views.iter_mut().zip(errors).zip(weights) {
             let factor = if error > 0.0 { (mean / error).clamp(1.0 / MOST_FACTOR, MOST_FACTOR) } else { 1.0 };
-            for (point, (measure, density)) in view.points.iter_mut().zip(weights) {
+            for (point, (measure, density, by_sign)) in view.points.iter_mut().zip(weights) {
+                point.by_sign = by_sign;
                 point.weigh(factor * (point.base + measure), density);
             }
             view.panels = Panels::new(&view.points);
@@ -296,6 +302,22 @@ impl<V: Views> Objective<V> {
     fn excess(&self, albedo: f64) -> f64 {
         libm::sqrt(CEILING_WEIGHT / self.watched.len() as f64) * (albedo - CEILING).max(0.0)
     }
+}
+
+/// Factor on the weight of a channel whose value has another sign than that of the table, or nearly so: a fit that is below 0 beside a
+/// bright highlight costs little, and shows as a ring of another colour.
+fn by_sign(value: f64, target: f64) -> f64 {
+    if target <= 0.0 {
+        return 1.0;
+    }
+    let share = (NEAR_ZERO - value / target) / (2.0 * NEAR_ZERO);
+    1.0 + (FALSELY_NEGATIVE - 1.0) * share.clamp(0.0, 1.0)
+}
+
+/// Factor on the weight of errors away from the peak towards grazing light. The measure counts them by the projected solid angle; a ball under
+/// a sun behind it is lit by them alone.
+fn grazing(cos: f64) -> f64 {
+    libm::sqrt(0.5 / cos.max(1e-3)).clamp(1.0, MOST_GRAZING)
 }
 
 /// Squared norm of `f cos` over a view.

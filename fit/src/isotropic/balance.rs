@@ -6,10 +6,10 @@
 
 use crate::family::balance::{Balance, Row};
 use crate::family::factors::Factors;
-use crate::family::tuning::factors::AVERAGED;
 use crate::isotropic::line::{Layout, LinePlace};
 use crate::isotropic::tuning::balance::{MOST, PASSES, POWER, STAY, STEPS, UNCERTAIN};
 use crate::numeric::banded::Banded;
+use rayon::prelude::*;
 
 /// Scales the amplitudes at all stored views. `albedo`: angles, radians, and the albedo of the data there. Returns the largest error that is
 /// left.
@@ -18,12 +18,17 @@ pub(crate) fn balance(
     x: &mut [f64],
     table: Option<&Factors>,
     albedo: &[(f64, [f64; 3])],
+    averaged: usize,
 ) -> f64 {
     let aims: Vec<_> = albedo.iter().map(|&(theta, data)| (layout.place(theta), data)).collect();
-    let of = |number: usize, q: &[f64]| {
-        let theta = albedo[number].0;
-        layout.albedo(q, table.map(|f| f.means(layout, q, theta, AVERAGED)).as_deref())
+    // Amplitudes alone are scaled, and the means of factors over lobes do not depend on them.
+    let means = |&(place, _): &(LinePlace, [f64; 3])| {
+        let mut q = vec![0.0; layout.stride()];
+        layout.interpolate(x, place, &mut q);
+        table.map(|f| f.means(layout, &q, layout.theta(place), averaged))
     };
+    let means: Vec<Option<Vec<[f64; 3]>>> = aims.par_iter().map(means).collect();
+    let of = |number: usize, q: &[f64]| layout.albedo(q, means[number].as_deref());
     let balance = Balance { layout, aims: &aims, albedo: of, passes: PASSES, most: MOST };
     balance.scale(x, |rows| factors(rows, layout.views.angles.len()))
 }

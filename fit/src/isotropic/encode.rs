@@ -177,6 +177,30 @@ fn albedo_differences(albedos: &[Vec<Albedo>]) -> Vec<[f32; 3]> {
     sums.iter().map(|s| s.map(|d| d.clamp(-MOST_DIFFERENCE, MOST_DIFFERENCE) as f32)).collect()
 }
 
+/// The largest distance of the stored albedo from the albedo between two stored views, over the luminance of the lobes, and the angle
+/// half way between these.
+pub(crate) fn bend(layout: &Layout, x: &[f64], factors: &Factors) -> Option<(f64, f64)> {
+    let albedos: Vec<Vec<Albedo>> = (0..layout.views.angles.len() - 1)
+        .into_par_iter()
+        .map(|stored| Albedo::around(layout, x, Some(factors), stored))
+        .collect();
+    let differences = albedos.first().map(|_| albedo_differences(&albedos))?;
+    let of_interval = |(stored, albedos): (usize, &Vec<Albedo>)| {
+        let looks = (albedos.len() - 1) as f64;
+        let off = albedos.iter().enumerate().flat_map(|(look, albedo)| {
+            let (onward, difference) = (look as f64 / looks, albedo.difference());
+            let [before, after] = [differences[stored], differences[stored + 1]];
+            (0..3).map(move |c| {
+                let between = (1.0 - onward) * f64::from(before[c]) + onward * f64::from(after[c]);
+                // At its ends an interval is as far off as the one next to it.
+                if (0.25..=0.75).contains(&onward) { (between - difference[c]).abs() } else { 0.0 }
+            })
+        });
+        (off.fold(0.0, f64::max), layout.theta((stored, 0.5)))
+    };
+    albedos.iter().enumerate().map(of_interval).max_by(|a, b| a.0.total_cmp(&b.0))
+}
+
 /// An angle out of the plane of incidence as it is stored: one that is nearly 0 is 0, as its square would be a subnormal, which
 /// processors take long to multiply.
 fn off_plane(angle: f64) -> f32 {

@@ -14,7 +14,7 @@ mod start;
 use crate::clock::Clock;
 use crate::family::factors::{Asked, Size};
 use crate::family::objective::Emphasis;
-use crate::family::tuning::factors::TURNS;
+use crate::family::tuning::factors::{AVERAGED_TO_STORE, TURNS};
 use crate::isotropic::balance;
 use crate::isotropic::effort::Effort;
 use crate::isotropic::encode;
@@ -76,7 +76,13 @@ pub(crate) fn run(
     let finalists = problem.solve(LIGHT, &mut work)?;
     let best = problem.improve(finalists, &mut work)?;
     let mut best = problem.finish(best, &mut work)?;
-    balance::balance(&best.layout, &mut best.candidate.x, best.factors.as_ref(), source.albedo());
+    balance::balance(
+        &best.layout,
+        &mut best.candidate.x,
+        best.factors.as_ref(),
+        source.albedo(),
+        AVERAGED_TO_STORE,
+    );
     let Finalist { layout, table, candidate, factors, curve, .. } = best;
 
     let text = format!("{}{}", settings.provenance, described(settings, &layout));
@@ -225,6 +231,9 @@ impl<'a> Problem<'a> {
                 if moved.factors.is_some() && moved.is_near_largest_weight() { FACTORED } else { LAST };
             moved.resample_for_last_stage(self.source)?;
             self.take_turns(&mut moved, size, (emphasis, &stage), work)?;
+            if round + 1 < rounds && self.settings.view_angles.is_none() && self.settings.views.is_none() {
+                moved.add_views_at_bends(self.settings.bytes);
+            }
             moved.resample(self.source, Resampling::Judging)?;
             if with.as_ref().is_none_or(|with| moved.rank() < with.rank()) {
                 with = Some(moved.clone());

@@ -18,8 +18,8 @@
 
 use crate::FitError;
 use crate::isotropic::tuning::stored_views::{
-    APART, BULGE, BY_ANGLE, CROOKED, FINER, NEAR_NORMAL, PROBED, PROBED_INTERVALS, SKEWED, SMOOTHED, SPAN,
-    WIDEST, WIDEST_MEAN,
+    APART, BULGE, BY_ANGLE, CROOKED, FINER, GRAZING, NEAR_NORMAL, PROBED, PROBED_GRAZING, PROBED_INTERVALS,
+    SKEWED, SMOOTHED, SPAN, WIDEST, WIDEST_MEAN,
 };
 use crate::table::Brdf;
 use crate::table::Table;
@@ -49,7 +49,15 @@ impl Probes {
         let step = last / intervals as f64;
         let mut thetas: Vec<f64> = (0..=intervals).map(|i| step * i as f64).collect();
         thetas[intervals] = last;
-        let table = Table::from_brdf(brdf, &thetas, PROBED)?;
+        let mut table = Table::from_brdf(brdf, &thetas, PROBED)?;
+        let grazing = thetas.partition_point(|theta| *theta < GRAZING.to_radians());
+        if grazing < thetas.len() {
+            let fine = Table::from_brdf(brdf, &thetas[grazing..], PROBED_GRAZING)?;
+            table.views[grazing..]
+                .iter_mut()
+                .zip(fine.views)
+                .for_each(|(view, fine)| view.albedo = fine.albedo);
+        }
         let ratio = Ratio::new(table.views.iter().map(|view| view.albedo));
         let ln_albedo = table.views.iter().map(|view| {
             let bright = luminance(view.albedo).max(0.0);

@@ -9,7 +9,7 @@ mod words;
 use super::convention_args::ConventionArgs;
 use super::fit_page;
 use crate::out::output;
-use crate::out::print::shown;
+use crate::out::print::{is_quiet, shown};
 use crate::out::progress::Progress;
 use anyhow::{bail, ensure};
 use method::MethodName;
@@ -24,6 +24,8 @@ use srbf_fit::read::{Content, Source};
 use srbf_fit::table::Symmetry;
 use srbf_fit::{Fit, Settings};
 use std::path::{Path, PathBuf};
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::time::Instant;
 
 /// Fits measured BRDFs: writes .srbf materials, with a picture and a report in JSON beside each.
 ///
@@ -169,14 +171,33 @@ fn left_out(
         Content::Samples(table) => {
             let table = complete(table)?.without_outliers(table)?;
             let progress = Progress::of_shares(&format!("left out of {}", shown(file)));
-            let left_out =
-                |method: &dyn Method| cross_validate(&table, method, |share| progress.set_share(share));
+            let (start, is_told) = (Instant::now(), AtomicBool::new(false));
+            let ended = |share: f64| {
+                progress.set_share(share);
+                if !is_told.swap(true, Ordering::Relaxed) {
+                    say_time_left(file, share, start.elapsed().as_secs_f64());
+                }
+            };
+            let left_out = |method: &dyn Method| cross_validate(&table, method, ended);
             Ok(Some(method.with(settings, left_out)??))
         }
         Content::Evaluable(_) => bail!(
             "{}: --cross-validate is for samples; fits of a BRDF report held-out views anyway",
             shown(file)
         ),
+    }
+}
+
+/// After the first of the fits that a cross-validation makes, says how long the others take, unless that is less than `SHORT` seconds. `share`: one
+/// over their number.
+fn say_time_left(file: &Path, share: f64, seconds: f64) {
+    /// Nobody is told about less.
+    const SHORT: f64 = 10.0;
+    let side_by_side = rayon::current_num_threads() as f64;
+    let rounds = (1.0 / (share * side_by_side)).ceil();
+    let left = seconds * (rounds - 1.0);
+    if left > SHORT && !is_quiet() {
+        eprintln!("{}: {:.0} fits of parts of the samples take {left:.0} s more", shown(file), 1.0 / share);
     }
 }
 

@@ -20,6 +20,8 @@ pub(crate) struct Point {
     /// The value that the lobes should have, per channel, and the weight of the squared difference, of all terms together.
     pub aim: [f64; 3],
     pub weight: [f64; 3],
+    /// Factors on the weight of the difference of values, of channels that are falsely below 0.
+    pub by_sign: [f64; 3],
     /// The rest of the terms where the lobes have that value.
     pub rest: f64,
     /// The weight of the difference of values alone.
@@ -40,6 +42,7 @@ impl Point {
         (self.rest, self.value) = (0.0, value);
         for c in 0..3 {
             let (factor, target) = (self.factor[c], self.target[c]);
+            let value = value * self.by_sign[c];
             self.weight[c] = value * factor * factor + density;
             if factor == 1.0 {
                 self.aim[c] = target;

@@ -122,3 +122,14 @@ fn the_matrix_is_the_second_derivative_where_the_data_are_met() {
         check_matrix(problem(grid_layout(azimuths, turns), &PLACES, place));
     }
 }
+
+#[test]
+fn a_channel_that_is_falsely_below_0_weighs_more_and_no_other() {
+    use super::{by_sign, grazing};
+    use crate::family::tuning::objective::{FALSELY_NEGATIVE, MOST_GRAZING};
+    assert!(by_sign(0.5, 1.0) == 1.0 && by_sign(-1.0, -1.0) == 1.0 && by_sign(1.0, -1.0) == 1.0);
+    assert!(by_sign(-1.0, 1.0) == FALSELY_NEGATIVE && by_sign(-1e-9, 1e-9) == FALSELY_NEGATIVE);
+    let [a, b] = [0.1, -0.1].map(|value| by_sign(value, 1.0));
+    assert!(1.0 < a && a < b && b < FALSELY_NEGATIVE, "{a} {b}");
+    assert!(grazing(1.0) == 1.0 && grazing(0.0) == MOST_GRAZING && grazing(0.2) > 1.5);
+}

@@ -2,7 +2,7 @@
 
 use crate::family::factors::{Asked, Factors, Size};
 use crate::family::objective::Emphasis;
-use crate::family::tuning::factors::{SIZES, SMOOTH};
+use crate::family::tuning::factors::{AVERAGED, SIZES, SMOOTH};
 use crate::isotropic::balance;
 use crate::isotropic::encode;
 use crate::isotropic::line::{Layout, Objective};
@@ -10,7 +10,8 @@ use crate::isotropic::search::candidates::{Candidate, Task, Work, advance};
 use crate::isotropic::search::schedule::{Resampling, Stage, WIDE, side_by_side};
 use crate::isotropic::search::{DrawnBy, Source};
 use crate::isotropic::tuning::finalist::{
-    DOUBLING, MISSED, NEAR_LARGEST, RAMP, STEEPEST, TOLERATED, WIDENED, WORTH_ERROR, WORTH_RANK,
+    BENDS, BENT, DOUBLING, MISSED, NEAR_LARGEST, RAMP, STEEPEST, TOLERATED, WIDENED, WORTH_ERROR, WORTH_RANK,
+    WORTH_SEEN,
 };
 use crate::judge::report::ViewReport;
 use crate::judge::verdict::{MOST_ENERGY_ERROR, MOST_VARIANCE, MOST_WEIGHT};
@@ -129,12 +130,32 @@ impl<'a> Finalist<'a> {
     /// Whether it is worth the bytes of factors that the other one lacks.
     pub fn is_worth_factors(&self, plain: &Self) -> bool {
         let is_nearer = self.error < WORTH_ERROR * plain.error || self.seen < WORTH_ERROR * plain.seen;
-        self.rank() < WORTH_RANK * plain.rank() || is_nearer && self.rank() < TOLERATED * plain.rank()
+        // A large weight is noise in some pictures; patches and wrong colours are in all of them.
+        let is_seen = self.seen < WORTH_SEEN * plain.seen && self.error < plain.error;
+        self.rank() < WORTH_RANK * plain.rank()
+            || is_nearer && self.rank() < TOLERATED * plain.rank()
+            || is_seen
     }
 
     /// The rank before the end. Only the weight counts there, because it gets worse if nothing is done.
     pub fn early_rank(&self) -> f64 {
         if self.has_small_weights() { self.error } else { WIDENED * self.error }
+    }
+
+    /// Adds stored views where the stored albedo is farthest from the albedo, as long as they have room in that number of bytes.
+    pub fn add_views_at_bends(&mut self, bytes: usize) {
+        for _ in 0..BENDS {
+            let Some(factors) = &self.factors else { return };
+            let Some((error, theta)) = encode::bend(&self.layout, &self.candidate.x, factors) else { return };
+            let mut denser = self.layout.clone();
+            let after = denser.views.angles.partition_point(|angle| *angle < theta);
+            denser.views.angles.insert(after, theta);
+            if error < BENT || encode::len(&denser, Some(factors.size())) > bytes {
+                return;
+            }
+            self.candidate.x = self.layout.resampled(&self.candidate.x, &denser);
+            self.layout = denser;
+        }
     }
 
     /// Adds a stored view next to the normal, of interpolated lobes, unless there is one.
@@ -197,7 +218,8 @@ impl<'a> Finalist<'a> {
     /// Samples the table again, in directions that the lobes draw, and judges the lobes on it.
     pub fn resample(&mut self, source: &dyn Source, resampling: Resampling) -> Result<(), FitError> {
         let mut x = self.candidate.x.clone();
-        self.energy_error = balance::balance(&self.layout, &mut x, self.factors.as_ref(), source.albedo());
+        self.energy_error =
+            balance::balance(&self.layout, &mut x, self.factors.as_ref(), source.albedo(), AVERAGED);
         let bytes = encode::encode(&self.layout, &x, self.factors.as_ref(), "")?;
         let mut resampled =
             source.table(&self.layout.views.angles, Some(DrawnBy { bytes: &bytes, resampling }))?;
