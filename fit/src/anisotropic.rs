@@ -96,7 +96,7 @@ pub(crate) fn fit_brdf(
 
     let placed: Vec<_> =
         views.iter().map(|TurnedView { phi, view }| (layout.views.place(view.theta, *phi), view)).collect();
-    let emphasis = Emphasis { tail: TAIL, measure: MEASURE, energy: ENERGY };
+    let emphasis = Emphasis { tail: TAIL, measure: MEASURE, energy: ENERGY, is_dense: false };
     let objective = Objective::over(&placed, layout.clone(), emphasis, None)?;
     let smoothness = ROUGHNESS * settings.smoothness;
     let weights = Weights { smoothness, energy: emphasis.energy, faint_color: FAINT_COLOR };

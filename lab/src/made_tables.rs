@@ -24,6 +24,8 @@ struct Made {
     pigment: Option<Pigment>,
     /// Height and width, radians, of a lobe about the back direction.
     retro: Option<[f64; 2]>,
+    /// Factor on the sum, so that less than all light is reflected.
+    scale: f64,
 }
 
 /// Flakes or plates that interfere: their colour is that of a thin film, whose order follows the difference angle.
@@ -76,7 +78,7 @@ impl Brdf for Made {
             let apart: f64 = (0..3).map(|k| (wi[k] - wo[k]).powi(2)).sum();
             sum.iter_mut().for_each(|v| *v += height * (-apart / (width * width)).exp());
         }
-        sum
+        sum.map(|v| self.scale * v)
     }
 }
 
@@ -96,6 +98,7 @@ fn all() -> anyhow::Result<[(&'static str, Made); 3]> {
                 models: models(&["ggx:alpha=0.05,ior=1.5", "ggx:alpha=0.45,f0=0.04/0.05/0.07"])?,
                 pigment: Some(Pigment { height: 0.25, ring: 0.0, width: 0.3, order: 2.2, along: 0.5 }),
                 retro: None,
+                scale: 1.0,
             },
         ),
         (
@@ -108,6 +111,7 @@ fn all() -> anyhow::Result<[(&'static str, Made); 3]> {
                 ])?,
                 pigment: None,
                 retro: None,
+                scale: 0.85,
             },
         ),
         (
@@ -116,6 +120,7 @@ fn all() -> anyhow::Result<[(&'static str, Made); 3]> {
                 models: models(&["ggx:alpha=0.12,ior=1.5,diffuse=0.35/0.3/0.28"])?,
                 pigment: Some(Pigment { height: 0.12, ring: 0.35, width: 0.15, order: 1.4, along: 0.3 }),
                 retro: Some([0.1, 0.25]),
+                scale: 1.0,
             },
         ),
     ])

@@ -43,6 +43,9 @@ pub(crate) struct Emphasis {
     pub measure: f64,
     /// Weight of the albedo in the last stages.
     pub energy: f64,
+    /// Whether values towards grazing light were measured, and not completed from samples. Then errors there weigh more, and in fits with factors
+    /// false signs anywhere.
+    pub is_dense: bool,
 }
 
 /// Weights that change in the course of a fit.
@@ -82,6 +85,7 @@ pub(crate) struct Objective<V: Views> {
     bounds: Vec<(f64, f64)>,
     energy: EnergyError,
     factors: Option<Factors>,
+    is_dense: bool,
 }
 
 /// Largest difference of the channels of a grey sample, over the largest of them.
@@ -105,6 +109,7 @@ impl<V: Views> Objective<V> {
         let strongest = table.iter().map(|(_, v)| norm_squared(v)).fold(0.0, f64::max);
         check_storable(table.iter().flat_map(|(_, view)| &view.samples))?;
         check_bright(strongest > 0.0 && strongest.is_finite())?;
+        let more = |cos: f64| if emphasis.is_dense { grazing(cos) } else { 1.0 };
         let data = |&(place, view): &(V::Place, &View)| {
             let norm = norm_squared(view).max(1e-9 * strongest);
             let bright = |s: &Sample| brightness(s.rgb) * s.direction[2];
@@ -124,7 +129,7 @@ impl<V: Views> Objective<V> {
                     value: 0.0,
                     base: s.weight / norm / count,
                     by_sign: [1.0; 3],
-                    measure: emphasis.measure * grazing(s.direction[2]) * s.weight / count
+                    measure: emphasis.measure * more(s.direction[2]) * s.weight / count
                         * measure::weight(brightness(s.rgb), level, s.direction[2])
                         * measure::beside_highlight(s.direction, view.theta),
                     measure_floor: measure::floor(level) * s.direction[2],
@@ -163,6 +168,7 @@ impl<V: Views> Objective<V> {
             bounds,
             energy: EnergyError::new(table.iter().map(|(_, v)| v.albedo)),
             factors: factors.cloned(),
+            is_dense: emphasis.is_dense,
         })
     }
 
@@ -184,7 +190,7 @@ impl<V: Views> Objective<V> {
     /// tail counts as if the lobes' values were the table's where they are lower: there a renderer that samples the lobes gets its
     /// largest weights. Albedos count the more, the worse they are.
     pub fn reweighed(mut self, x: &[f64]) -> Self {
-        let has_factors = self.factors.is_some();
+        let is_signed = self.is_dense && self.factors.is_some();
         let mut q = vec![0.0; self.layout.stride()];
         let mut views = std::mem::take(&mut self.views);
         let mut errors = Vec::with_capacity(views.len());
@@ -204,7 +210,7 @@ impl<V: Views> Objective<V> {
                 let short = (short * short).clamp(1.0, MOST_SHORT);
                 let density = point.tail * short / (brightness(lobes).min(bright) + point.floor);
                 let by_sign =
-                    [0, 1, 2].map(|c| if has_factors { by_sign(value[c], point.target[c]) } else { 1.0 });
+                    [0, 1, 2].map(|c| if is_signed { by_sign(value[c], point.target[c]) } else { 1.0 });
                 (point.measure * secant, density, by_sign)
             });
             weights.push(terms.collect::<Vec<_>>());

@@ -29,12 +29,12 @@ pub(crate) mod objective {
     pub const CEILING: f64 = 0.96;
     /// Weight of an albedo above the ceiling.
     pub const CEILING_WEIGHT: f64 = 30.0;
-    /// Factor on the weight of a channel that is below 0 where the table is not, in fits with factors. With 30, 3 % of the directions round the
+    /// Factor on the weight of a channel that is below 0 where the table is not, in fits of tables with factors. With 30, 3 % of the directions round the
     /// highlight of chm_mint are so, and 9 % without.
     pub const FALSELY_NEGATIVE: f64 = 30.0;
     /// Share of the table from which on down to its negative that factor rises from 1.
     pub const NEAR_ZERO: f64 = 0.25;
-    /// Largest factor on the weight of errors away from the peak for grazing light.
+    /// Largest factor on the weight of errors away from the peak for grazing light, in fits of tables.
     pub const MOST_GRAZING: f64 = 4.0;
     /// Largest factor on the weight of a view for its error.
     pub const MOST_FACTOR: f64 = 2.5;

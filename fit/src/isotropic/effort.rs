@@ -1,5 +1,6 @@
 //! How much work a search is: measured tables need more than samples, which are completed to something smooth.
 
+use crate::isotropic::tuning::stored_views::{PROBED, PROBED_GRAZING};
 use crate::table::Density;
 
 /// How much work a search is.
@@ -17,6 +18,10 @@ pub(crate) struct Effort {
     /// How densely a table is made, and its views between two of the material's.
     pub density: Density,
     pub views_between: usize,
+    /// How densely albedos at grazing views are integrated.
+    pub grazing: Density,
+    /// Whether values towards grazing light were measured.
+    pub is_dense: bool,
 }
 
 /// For a BRDF.
@@ -28,6 +33,8 @@ pub(crate) const MEASURED: Effort = Effort {
     factor_rounds: 2,
     density: Density { hemisphere: 350, cap: 100 },
     views_between: 3,
+    grazing: PROBED_GRAZING,
+    is_dense: true,
 };
 
 /// For the completion of samples.
@@ -39,4 +46,6 @@ pub(crate) const COMPLETED: Effort = Effort {
     factor_rounds: 1,
     density: Density { hemisphere: 350, cap: 100 },
     views_between: 3,
+    grazing: PROBED,
+    is_dense: false,
 };

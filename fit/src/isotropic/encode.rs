@@ -177,8 +177,8 @@ fn albedo_differences(albedos: &[Vec<Albedo>]) -> Vec<[f32; 3]> {
     sums.iter().map(|s| s.map(|d| d.clamp(-MOST_DIFFERENCE, MOST_DIFFERENCE) as f32)).collect()
 }
 
-/// The largest distance of the stored albedo from the albedo between two stored views, over the luminance of the lobes, and the angle
-/// half way between these.
+/// The largest distance of the stored albedo from the albedo between two stored views, over the luminance of the lobes. Also the angle half way
+/// between these views.
 pub(crate) fn bend(layout: &Layout, x: &[f64], factors: &Factors) -> Option<(f64, f64)> {
     let albedos: Vec<Vec<Albedo>> = (0..layout.views.angles.len() - 1)
         .into_par_iter()

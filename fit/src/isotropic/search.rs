@@ -217,6 +217,7 @@ impl<'a> Problem<'a> {
             FactorNodes::None => None,
         };
         let rounds = self.source.effort().factor_rounds;
+        let is_dense = self.source.effort().is_dense;
         let Some(stage) = self.stages(LAST).pop() else { return Ok(best) };
         let stage = Stage { keep: 1, resampling: None, ..stage };
         work.total = work.total.max(work.done + rounds * stage.work());
@@ -229,6 +230,7 @@ impl<'a> Problem<'a> {
             }
             let emphasis =
                 if moved.factors.is_some() && moved.is_near_largest_weight() { FACTORED } else { LAST };
+            let emphasis = Emphasis { is_dense, ..emphasis };
             moved.resample_for_last_stage(self.source)?;
             self.take_turns(&mut moved, size, (emphasis, &stage), work)?;
             if round + 1 < rounds && self.settings.view_angles.is_none() && self.settings.views.is_none() {
@@ -273,7 +275,8 @@ impl<'a> Problem<'a> {
         stage: &Stage,
         work: &mut Work<'_>,
     ) -> Result<(), FitError> {
-        refine(self.source, std::slice::from_mut(finalist), LAST, stage, work)?;
+        let emphasis = Emphasis { is_dense: self.source.effort().is_dense, ..LAST };
+        refine(self.source, std::slice::from_mut(finalist), emphasis, stage, work)?;
         work.done += stage.work();
         finalist.resample(self.source, Resampling::Judging)
     }

@@ -60,8 +60,8 @@ fn fit_both(
     progress: impl FnMut(f64) + Send,
 ) -> Result<Fit, FitError> {
     let start = Clock::start();
-    let probes = Probes::new(brdf, LAST_VIEW.to_radians(), settings.view_count())?;
     let effort = if samples.is_some() { &COMPLETED } else { &MEASURED };
+    let probes = Probes::new(brdf, LAST_VIEW.to_radians(), settings.view_count(), effort.grazing)?;
     let tabulation = Tabulation::new(brdf, effort.density);
     let source = Evaluable { samples, probes, effort, tabulation };
     let settings = Settings {

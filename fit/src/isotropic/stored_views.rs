@@ -18,13 +18,13 @@
 
 use crate::FitError;
 use crate::isotropic::tuning::stored_views::{
-    APART, BULGE, BY_ANGLE, CROOKED, FINER, GRAZING, NEAR_NORMAL, PROBED, PROBED_GRAZING, PROBED_INTERVALS,
-    SKEWED, SMOOTHED, SPAN, WIDEST, WIDEST_MEAN,
+    APART, BULGE, BY_ANGLE, CROOKED, FINER, GRAZING, NEAR_NORMAL, PROBED, PROBED_INTERVALS, SKEWED, SMOOTHED,
+    SPAN, WIDEST, WIDEST_MEAN,
 };
-use crate::table::Brdf;
 use crate::table::Table;
 use crate::table::albedo_log::Ratio;
 use crate::table::luminance;
+use crate::table::{Brdf, Density};
 
 /// A material at the probes.
 pub(crate) struct Probes {
@@ -39,11 +39,12 @@ pub(crate) struct Probes {
 }
 
 impl Probes {
-    /// Probes a material from 0 to `last` radians, densely enough for `views` views and twice as many.
+    /// Probes a material from 0 to `last` radians, densely enough for `views` views and twice as many. Albedos of grazing views are integrated
+    /// as densely as asked for.
     ///
     /// # Errors
     /// As [`Table::from_brdf`].
-    pub fn new(brdf: &dyn Brdf, last: f64, views: usize) -> Result<Self, FitError> {
+    pub fn new(brdf: &dyn Brdf, last: f64, views: usize, dense: Density) -> Result<Self, FitError> {
         let multiple = (FINER * views).div_ceil(PROBED_INTERVALS).max(1);
         let intervals = multiple * PROBED_INTERVALS;
         let step = last / intervals as f64;
@@ -52,7 +53,7 @@ impl Probes {
         let mut table = Table::from_brdf(brdf, &thetas, PROBED)?;
         let grazing = thetas.partition_point(|theta| *theta < GRAZING.to_radians());
         if grazing < thetas.len() {
-            let fine = Table::from_brdf(brdf, &thetas[grazing..], PROBED_GRAZING)?;
+            let fine = Table::from_brdf(brdf, &thetas[grazing..], dense)?;
             table.views[grazing..]
                 .iter_mut()
                 .zip(fine.views)
@@ -186,7 +187,7 @@ mod tests {
     #[test]
     fn views_rise_between_the_ends_and_gather_where_something_changes() {
         for at in [0.4, 1.0] {
-            let view_angles = Probes::new(&Step(at), 1.5, 14).unwrap().place(14);
+            let view_angles = Probes::new(&Step(at), 1.5, 14, PROBED).unwrap().place(14);
             assert!(
                 view_angles.len() == 14 && view_angles[0] == 0.0 && view_angles[13] == 1.5,
                 "{view_angles:?}"
@@ -195,7 +196,7 @@ mod tests {
             let near = |centre: f64| view_angles.iter().filter(|k| (**k - centre).abs() < 0.15).count();
             assert!(near(at) >= 4 && near(at) > near(1.4 - at), "{at}: {view_angles:?}");
         }
-        let probes = Probes::new(&Step(0.4), 1.5, 100).unwrap();
+        let probes = Probes::new(&Step(0.4), 1.5, 100, PROBED).unwrap();
         assert_eq!(probes.place(2), [0.0, 1.5]);
         assert!((100..=200).step_by(50).all(|count| probes.place(count).len() == count));
     }
@@ -212,7 +213,7 @@ mod tests {
     #[test]
     fn a_kink_of_one_channel_has_a_view() {
         for at in [0.3, 0.77, 1.1] {
-            let view_angles = Probes::new(&Kink(at), 1.5, 8).unwrap().place(8);
+            let view_angles = Probes::new(&Kink(at), 1.5, 8, PROBED).unwrap().place(8);
             assert!(view_angles.iter().any(|stored| (stored - at).abs() < 0.01), "{at}: {view_angles:?}");
         }
     }

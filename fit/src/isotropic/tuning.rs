@@ -31,8 +31,8 @@ pub(crate) mod stored_views {
     pub const FINER: usize = 4;
     /// Directions of a probe.
     pub const PROBED: Density = Density { hemisphere: 150, cap: 50 };
-    /// Angle from which on the albedo of a probe is integrated with more directions, degrees, and how many: highlights at the horizon are
-    /// narrow. With those of all probes the albedos of aurora_white and of the flake at 86 degrees are 2 % too small.
+    /// Angle from which on the albedo of a probe of a table is integrated with more directions, degrees, and how many: highlights at the
+    /// horizon are narrow. With those of all probes the albedos of aurora_white and of the flake at 86 degrees are 2 % too small.
     pub const GRAZING: f64 = 78.0;
     pub const PROBED_GRAZING: Density = Density { hemisphere: 1000, cap: 300 };
     /// Share of the stored views that follow `1 / sqrt(cos)`, because highlights stretch towards grazing; the others follow the data.

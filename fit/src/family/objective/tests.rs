@@ -32,7 +32,7 @@ fn problem<V: Views>(
     let mut x: Vec<f64> = (0..layout.len()).map(|_| 1.4 * random.uniform() - 0.6).collect();
     let p = layout.stride();
     (0..x.len()).filter(|i| V::fixed(&layout, i / p, i % p)).for_each(|i| x[i] = 0.0);
-    let emphasis = Emphasis { tail: 0.03, measure: 1.0, energy: 1.0 };
+    let emphasis = Emphasis { tail: 0.03, measure: 1.0, energy: 1.0, is_dense: true };
     (Objective::over(&placed, layout, emphasis, None).unwrap(), x)
 }
 

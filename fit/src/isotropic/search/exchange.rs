@@ -281,9 +281,13 @@ mod tests {
             views.push((theta, grid.map(|(t, p)| direction(t, p)).map(|d| (d, [value(d); 3])).collect()));
         }
         let table = Table::from_scattered(views).unwrap();
-        let objective =
-            Objective::new(&table, layout.clone(), Emphasis { tail: 0.03, measure: 0.0, energy: 1.0 }, None)
-                .unwrap();
+        let objective = Objective::new(
+            &table,
+            layout.clone(),
+            Emphasis { tail: 0.03, measure: 0.0, energy: 1.0, is_dense: false },
+            None,
+        )
+        .unwrap();
         let mut x = vec![0.0; layout.len()];
         for (stored, theta) in [0.0, 0.5, 1.0].into_iter().enumerate() {
             let q = &mut x[stored * layout.stride()..];

@@ -12,7 +12,8 @@ use crate::isotropic::tuning::schedule::{
 use crate::numeric::levenberg::Limits;
 
 /// The emphasis of the first round: the least error.
-pub(crate) const LIGHT: Emphasis = Emphasis { tail: LIGHT_TAIL, measure: 0.0, energy: FIRST_ENERGY };
+pub(crate) const LIGHT: Emphasis =
+    Emphasis { tail: LIGHT_TAIL, measure: 0.0, energy: FIRST_ENERGY, is_dense: false };
 /// The emphasis that widens a lobe.
 pub(crate) const WIDE: Emphasis = Emphasis { tail: HEAVY_TAIL, ..LIGHT };
 /// The emphasis of the end: visible errors away from the peak.
