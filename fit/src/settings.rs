@@ -49,7 +49,8 @@ pub struct Settings {
     /// Views of the material, 2 to 256, placed where it changes. Isotropic surfaces only. Default: `None`, which stands for 15.
     ///
     /// With the default, materials of 6 to 11 lobes, and those with mirrored pairs, get more views: as many as take the bytes of
-    /// 15 views of 12 lobes, at most twice as many.
+    /// 15 views of 12 lobes, at most twice as many. A fit of a table with factors may have up to four more: next to the normal, and where the
+    /// stored albedo bends.
     pub views: Option<usize>,
     /// Angles of the views in radians, rising from 0 to at most pi / 2; at most 1024, of an anisotropic surface 64. Default: `None`,
     /// they are placed; those of anisotropic surfaces are fixed.
