@@ -41,7 +41,7 @@ impl From<FormatError> for Failure {
             FormatError::Version(_) => SRBF_STATUS_FORMAT_VERSION,
             FormatError::Length { .. } => SRBF_STATUS_LENGTH,
             FormatError::Checksum => SRBF_STATUS_CHECKSUM,
-            FormatError::Field { .. } => SRBF_STATUS_FIELD,
+            FormatError::Field { .. } | FormatError::Kind { .. } => SRBF_STATUS_FIELD,
             FormatError::Buffer { .. } => SRBF_STATUS_SIZE,
             _ => SRBF_STATUS_OTHER,
         };

@@ -84,7 +84,7 @@ impl srbf_material {
     }
 }
 
-fn bytes_of(bytes: &[u8]) -> Range<usize> {
+pub(crate) fn bytes_of(bytes: &[u8]) -> Range<usize> {
     let start = bytes.as_ptr().addr();
     start..start + bytes.len()
 }

@@ -8,8 +8,8 @@
 //! asked directly ([`streamed`]), from the rows of an [`expanded`] one, from mixtures ([`each_mixture`]). A [`block`] draws and
 //! sums, whatever the source, and [`answers`] puts that into the outputs of a [`request`].
 //!
-//! May import: `mixture`, `material`, `squeeze`, `color`, `simd`, `error`; nothing but `estimator` and
-//! `environment` imports from here.
+//! May import: `mixture`, `material`, `squeeze`, `color`, `simd`, `error`; nothing but `estimator`,
+//! `sheet` and `environment` imports from here.
 
 mod answers;
 pub(crate) mod between_views;
@@ -28,4 +28,4 @@ pub(crate) mod prepare_anisotropic;
 pub(crate) mod request;
 pub(crate) mod sights;
 pub(crate) mod slices;
-mod streamed;
+pub(crate) mod streamed;

@@ -96,6 +96,7 @@ mod material;
 mod mixture;
 mod printable;
 mod quadrature;
+mod sheet;
 mod simd;
 pub mod special;
 mod squeeze;
@@ -139,6 +140,7 @@ pub use material::views::{Grid, GridView, Line, PlaneLobe, TiltedLobe, View};
 pub use mixture::leave_out::LeaveOut;
 pub use mixture::rows::{AnyMixture, Domain, Groups, Mixture, Room, Sample};
 pub use printable::{Printable, printable, printable_lines};
+pub use sheet::{Quarter, Sheet, SheetMixture};
 pub use simd::detect::Level;
 pub use simd::processor::Processor;
 #[cfg(feature = "zonal")]

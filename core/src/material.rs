@@ -5,8 +5,8 @@
 //! May import: `color`, `simd`.
 
 pub(crate) mod borrowed;
-mod bytes;
-mod checksum;
+pub(crate) mod bytes;
+pub(crate) mod checksum;
 pub(crate) mod codes;
 pub(crate) mod encode;
 pub(crate) mod factor_table;
@@ -17,5 +17,5 @@ pub(crate) mod layout;
 pub(crate) mod pack;
 mod spectra;
 pub(crate) mod spectral_map;
-mod validate;
+pub(crate) mod validate;
 pub(crate) mod views;

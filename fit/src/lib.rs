@@ -12,6 +12,7 @@ pub mod judge;
 mod numeric;
 pub mod pack;
 mod settings;
+mod sheet;
 
 pub use anisotropic::judge_at;
 pub use fit::{Tracked, fit, fit_content, fit_source};
@@ -20,9 +21,10 @@ pub use judge::report::Fit;
 #[doc(hidden)]
 pub use settings::range;
 pub use settings::{FactorNodes, Settings};
+pub use sheet::{Light, SheetFit, fit_sheet, klems_of, klems_of_sheet};
 #[doc(hidden)]
 pub use srbf_measured::with_reasons;
 pub use srbf_measured::{FitError, ReadError};
 pub use srbf_measured::{Outputs, check_output, write_atomically};
-pub use srbf_measured::{analytic, complete, export, look, read, table};
+pub use srbf_measured::{analytic, complete, export, look, patches, read, table};
 pub use srbf_measured::{check_memory, in_threads, read_at_most, read_if};

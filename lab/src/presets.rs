@@ -1,6 +1,7 @@
 //! `cargo lab presets`.
 
 use anyhow::{Context, bail, ensure};
+use srbf_core::{Material, Sheet};
 use srbf_fit::{FactorNodes, Settings};
 use srbf_reference_renderer::command::argument;
 use srbf_reference_renderer::command::fit::fit_file;
@@ -19,6 +20,15 @@ const PRESETS: [(&str, &str, &str); 3] = [
     ("garnet_red", "cornell/garnet_red.brdf", "Dupli-Color T-345 spray lacquer, frosted: medium gloss"),
     ("krylon_blue", "cornell/krylon_blue.brdf", "Krylon enamel 7205 True Blue, frosted: medium gloss"),
     ("cayman", "cornell/cayman.brdf", "Ford Cayman metallic lacquer: high gloss"),
+];
+
+/// The quarters of ground glass: reflection of the rough front, transmission seen from there and from behind. The smooth back reflects as
+/// a mirror, which is no lobe.
+const GROUND_GLASS: [Option<&str>; 4] = [
+    Some("model:ggx:alpha=0.3,ior=1.5"),
+    Some("model:ground-glass:alpha=0.3,ior=1.5,behind=0"),
+    None,
+    Some("model:ground-glass:alpha=0.3,ior=1.5,behind=1"),
 ];
 
 /// Makes the materials in presets/ again from the measurements.
@@ -64,7 +74,15 @@ pub fn run(args: Args) -> anyhow::Result<()> {
         )?;
         made.push((args.out.join(name).with_extension("srbf"), fit.bytes));
     }
-    made.push((about, readme(&rows).into_bytes()));
+    let (glass, error) = ground_glass()?;
+    println!(
+        "ground_glass: {} bytes, mean relative L2 {:.2} % at the worst quarter",
+        glass.len(),
+        100.0 * error
+    );
+    let row = format!("{} bytes; mean relative L2 error at most {:.2} %", glass.len(), 100.0 * error);
+    made.push((args.out.join("ground_glass.srbf"), glass));
+    made.push((about, readme(&rows, &row).into_bytes()));
     for (path, bytes) in &made {
         if !args.check {
             output::write(path, bytes)?;
@@ -75,7 +93,33 @@ pub fn run(args: Args) -> anyhow::Result<()> {
     Ok(())
 }
 
-fn readme(rows: &str) -> String {
+/// Fits the quarters of ground glass, with few lobes; gives the bytes of the sheet, and the largest mean error.
+fn ground_glass() -> anyhow::Result<(Vec<u8>, f64)> {
+    let settings = Settings {
+        lobes: 6,
+        views: Some(10),
+        starts: 4,
+        exchanges: 4,
+        factors: FactorNodes::None,
+        ..Settings::default()
+    };
+    let mut fits = Vec::new();
+    for model in GROUND_GLASS {
+        let fit = model.map(|model| fit_file(model.as_ref(), settings.clone(), "")).transpose()?;
+        fits.push(fit);
+    }
+    let error = fits.iter().flatten().map(|fit| fit.report.mean_error()).fold(0.0, f64::max);
+    let materials =
+        fits.iter().map(|fit| fit.as_ref().map(|fit| Material::from_bytes(fit.bytes.as_slice())).transpose());
+    let materials = materials.collect::<Result<Vec<_>, _>>()?;
+    let quarters = [0, 1, 2, 3].map(|n| materials[n].as_ref());
+    let provenance = "ground glass, by a model; made by cargo lab presets\n";
+    let mut bytes = vec![0; Sheet::encoded_len(quarters, provenance)];
+    Sheet::encode(quarters, false, provenance, &mut bytes)?;
+    Ok((bytes, error))
+}
+
+fn readme(rows: &str, glass: &str) -> String {
     format!(
         "{HEADING}
 
@@ -89,6 +133,9 @@ The measurements themselves are not in this repository.
 Error: of `f cos` over the samples of a view, all three channels, weighted by solid angle. Settings, source file and its
 SHA-256 are in the provenance text of each file (`srbf inspect`). Values between the samples, below 10 degrees and
 beyond 80 is what `srbf fit` completes them to.
+
+`ground_glass.srbf` is a sheet, for the examples of [sheets](../docs/sheets.md), and is not in the program: light through a plate that is rough in
+front, by a model (Walter et al. 2007); {glass}.
 
 This folder is made by `SRBF_DATA_DIR=... cargo lab presets`; `cargo lab presets --check` compares. The fit uses no function of the
 platform's C library, and no order that depends on threads. So the bytes are the same on every machine with IEEE arithmetic.

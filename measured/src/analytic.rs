@@ -14,9 +14,10 @@
 //! | `harvey-shack` | `b0=10`, `l=0.01`, `s=-2`: the same |
 //! | `oren-nayar` | `albedo=0.5`, `sigma=0.35`: plaster |
 //! | `sheen` | `alpha=0.5`: cloth |
+//! | `ground-glass` | `alpha=0.3`, `ior=1.5`, `behind=0`: light through a plate that is rough in front, seen from there or from behind |
 //! | `sgd`, `abc` | `name` of the material, `file` of the fits; else that in the folder that `SRBF_DATA_DIR` names |
 //!
-//! A colour is one number or three, `0.6/0.2/0.1`, linear sRGB; or a file of text, with a wavelength and a reflectance on each line. Models from `ross-li` to `sheen` are grey, times the colour `tint=1`.
+//! A colour is one number or three, `0.6/0.2/0.1`, linear sRGB; or a file of text, with a wavelength and a reflectance on each line. Models from `ross-li` to `ground-glass` are grey, times the colour `tint=1`.
 //!
 //! May import: `error`, `file`, `table`.
 
@@ -41,7 +42,7 @@ use std::path::{Path, PathBuf};
 pub const PREFIX: &str = "model:";
 
 /// The names of the models.
-const NAMES: &str = "lambert, phong, ward, ggx, ross-li, rpv, hapke, cox-munk, abg, harvey-shack, oren-nayar, sheen, sgd, abc";
+const NAMES: &str = "lambert, phong, ward, ggx, ross-li, rpv, hapke, cox-munk, abg, harvey-shack, oren-nayar, sheen, ground-glass, sgd, abc";
 
 /// A model that was named, and what identifies it.
 pub(super) struct Named {

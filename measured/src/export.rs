@@ -3,12 +3,13 @@
 //! A grid holds a BRDF at its nodes; its reader interpolates between them. The tests of each format state how far a smooth
 //! model is off after a round trip.
 //!
-//! May import: `error`, `read`, `table`.
+//! May import: `error`, `patches`, `read`, `table`.
 
 mod bsdf;
 mod lobes;
 mod merl;
 mod samples;
+mod window;
 
 use crate::FitError;
 use crate::table::{Brdf, Density, Symmetry, Table, direction, evaluation_views};
@@ -18,6 +19,7 @@ pub use bsdf::rgl;
 pub use lobes::Lobes;
 pub use merl::{MERL_MARK, merl};
 pub use samples::{astm, csv, csv_of_spectra};
+pub use window::window;
 
 /// Outgoing directions of samples that are made of a BRDF, and incident ones of each.
 const VIEWS: usize = 16;

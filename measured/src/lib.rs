@@ -15,6 +15,7 @@ mod isotropy;
 pub mod look;
 #[doc(hidden)]
 pub mod numeric;
+pub mod patches;
 pub mod read;
 mod reciprocity;
 mod row;

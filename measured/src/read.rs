@@ -1,6 +1,6 @@
 //! Readers: samples, or a BRDF, from a file.
 //!
-//! May import: `analytic`, `complete`, `error`, `file`, `isotropy`, `numeric`, `reciprocity`, `row`, `table`.
+//! May import: `analytic`, `complete`, `error`, `file`, `isotropy`, `numeric`, `patches`, `reciprocity`, `row`, `table`.
 
 pub mod alta;
 pub mod astm;
@@ -36,6 +36,7 @@ pub mod speos;
 pub mod ssdd;
 pub mod utia;
 mod wavelengths;
+pub mod window;
 mod words;
 
 use crate::analytic;
@@ -161,7 +162,7 @@ impl Source {
 /// [`analytic`] model.
 ///
 /// Tables of text: [`csv`]; Cornell's: [`cornell`], [`astm`]; MERL's: [`merl`]; RGL's: [`rgl`]; of optics programs: [`scatter_tables`]
-/// (Zemax, LightTools), [`speos`], [`fred`], [`openmaterial`], [`alta`], [`pab_opto`], [`ssdd`], [`utia`]; of programs: [`numpy`],
+/// (Zemax, LightTools), [`speos`], [`fred`], [`openmaterial`], [`alta`], [`pab_opto`], [`ssdd`], [`utia`], [`window`]; of programs: [`numpy`],
 /// [`records`]. A file that gzip compressed is opened.
 ///
 /// # Errors
@@ -255,10 +256,50 @@ fn of_bytes(path: &Path, bytes: &[u8], conventions: &Conventions) -> Result<Sour
         Format::NumPy => numpy::parse(bytes, conventions),
         Format::Utia => utia::parse(bytes, conventions),
         Format::Records => records::parse(bytes, conventions),
+        Format::Window => return of_window(path, bytes, (name, sha256), conventions),
         Format::Text => csv::parse(bytes, conventions),
     }
     .map_err(fault)?;
     Source::of_samples(intake, name, sha256)
+}
+
+/// A quarter of a sheet, of a matrix over patches.
+fn of_window(
+    path: &Path,
+    bytes: &[u8],
+    (name, sha256): (String, String),
+    conventions: &Conventions,
+) -> Result<Source, FitError> {
+    let Conventions { quarter, band, .. } = *conventions;
+    if *conventions != (Conventions { quarter, band, ..Conventions::default() }) {
+        return Err(needless(path));
+    }
+    let fault = |source| FitError::Read { path: path.to_path_buf(), source };
+    let window = window::Window::parse(bytes, band).map_err(fault)?;
+    let brdf = window.brdf(quarter).ok_or_else(|| {
+        fault(ReadError::Content(format!(
+            "nothing is seen there: the {} is black, or not in the file",
+            window::words(quarter)
+        )))
+    })?;
+    Ok(Source::evaluable(Box::new(brdf), name, sha256))
+}
+
+/// The quarters of a sheet that a file has, and is read by one after the other ([`Conventions::quarter`]); `None` of a file that has the
+/// reflection of one side alone, or samples.
+///
+/// # Errors
+/// As [`read_with`].
+pub fn sheet_of(path: &Path, conventions: &Conventions) -> Result<Option<window::Window>, FitError> {
+    if path.to_str().is_some_and(|p| p.starts_with(analytic::PREFIX)) {
+        return Ok(None);
+    }
+    let bytes = read_bytes(path, MAX_FILE, |size| ending::check(&ending(path), path, size))?;
+    if format::recognise(&bytes, &ending(path)).ok() != Some(Format::Window) {
+        return Ok(None);
+    }
+    let fault = |source| FitError::Read { path: path.to_path_buf(), source };
+    window::Window::parse(&bytes, conventions.band).map(Some).map_err(fault)
 }
 
 /// A MERL material with what its holes are filled by, if it has some above the horizon.

@@ -146,4 +146,45 @@ def spectra(path):
     assert apart < 0.01, "spectra are off"
 
 
-{"bsdf": bsdf, "merl": merl, "spectral-samples": spectral_samples, "spectra": spectra}[sys.argv[1]](*sys.argv[2:])
+# Rings of Klems' patches: their ends in degrees, and how many patches each has.
+RINGS = [(0, 5, 1), (5, 15, 8), (15, 25, 16), (25, 35, 20), (35, 45, 24), (45, 55, 24), (55, 65, 24), (65, 75, 16), (75, 90, 12)]
+NAMES = {
+    "Reflection Front": "Exterior Refl",
+    "Reflection Back": "Interior Refl",
+    "Transmission Front": "Ext->Int Trans",
+    "Transmission Back": "Int->Ext Trans",
+}
+
+
+def radiance(path):
+    """Radiance's own program reads the file, and finds the light that each matrix has; light both ways is the same."""
+    import os
+    import pathlib
+    import re
+    import subprocess
+    from xml.etree import ElementTree
+
+    import pyradiance
+
+    home = pathlib.Path(pyradiance.__file__).parent
+    environment = {**os.environ, "RAYPATH": str(home / "lib")}
+    said = subprocess.run([home / "bin" / "checkBSDF", path], env=environment, capture_output=True, text=True, check=True).stdout
+    print(said)
+    areas = [np.pi * (np.sin(np.radians(b)) ** 2 - np.sin(np.radians(a)) ** 2) / n for a, b, n in RINGS for _ in range(n)]
+    place = "{http://windows.lbl.gov}"
+    found = 0
+    for block in ElementTree.parse(path).iter(place + "WavelengthDataBlock"):
+        name = block.find(place + "WavelengthDataDirection").text
+        numbers = [float(v) for v in block.find(place + "ScatteringData").text.replace(",", " ").split()]
+        most = 100 * (np.array(areas)[:, None] * np.array(numbers).reshape(145, 145)).sum(0).max()
+        line = re.search(re.escape(NAMES[name]) + r"\s+[\d. ]+?\s+([\d.]+)%", said)
+        assert line, f"{name} is missing"
+        # A tenth of a per cent is printed, and the program adds up patches of its own.
+        assert abs(float(line[1]) / most - 1) < 0.02, (name, line[1], most)
+        found += 1
+    assert found > 0
+    errors = re.findall(r"(Interior Refl|Exterior Refl|Transmission)\t\s*([\d.]+)\t\s*([\d.]+)\t\s*([\d.]+)", said)
+    print(f"xml: {found} matrices, their light found by checkBSDF; reciprocity errors {errors}")
+
+
+{"bsdf": bsdf, "merl": merl, "radiance": radiance, "spectral-samples": spectral_samples, "spectra": spectra}[sys.argv[1]](*sys.argv[2:])

@@ -17,6 +17,8 @@ mod input;
 mod material;
 #[path = "attack/mixture.rs"]
 mod mixture;
+#[path = "attack/sheet.rs"]
+mod sheet;
 #[cfg(feature = "readers")]
 #[path = "attack/tables.rs"]
 mod tables;
@@ -62,8 +64,11 @@ pub const TARGETS: &[Target] = &[
     target("product", environment::product),
     #[cfg(feature = "readers")]
     target("rgl", tables::rgl),
+    target("sheet", sheet::sheet),
     #[cfg(feature = "readers")]
     target("utia", tables::utia),
+    #[cfg(feature = "readers")]
+    target("window", tables::window),
 ];
 
 /// Runs a target as a fuzzer does: at a SIMD level that the bytes choose, of those that this processor has.

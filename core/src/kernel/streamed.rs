@@ -8,8 +8,8 @@
 mod block;
 #[cfg(feature = "simd")]
 mod lobes;
-mod one;
-mod pairs;
-mod question;
+pub(crate) mod one;
+pub(crate) mod pairs;
+pub(crate) mod question;
 #[cfg(not(feature = "simd"))]
 mod small;

@@ -89,10 +89,10 @@ impl Line<'_> {
 }
 
 /// Puts bytes one behind the other into a buffer that is long enough.
-pub(super) struct Writer<'a> {
-    pub(super) out: &'a mut [u8],
+pub(crate) struct Writer<'a> {
+    pub(crate) out: &'a mut [u8],
     /// Bytes that have been put.
-    pub(super) at: usize,
+    pub(crate) at: usize,
 }
 
 impl<'a> Writer<'a> {
@@ -104,17 +104,23 @@ impl<'a> Writer<'a> {
         length: usize,
         tag: [u8; 4],
     ) -> Self {
-        let mut writer = Self { out: &mut out[..length], at: 0 };
-        writer.put(&MAGIC);
-        for n in [FORMAT_VERSION as usize, kind, length].into_iter().chain(fields) {
-            writer.put(&u32::try_from(n).unwrap_or(u32::MAX).to_le_bytes());
-        }
+        let mut writer = Self::of_kind(out, kind, fields, length);
         let start = writer.begin(tag);
         debug_assert!(start == HEADER);
         writer
     }
 
-    pub(super) fn put(&mut self, bytes: &[u8]) {
+    /// Begins with the header alone.
+    pub(crate) fn of_kind(out: &'a mut [u8], kind: usize, fields: [usize; 5], length: usize) -> Self {
+        let mut writer = Self { out: &mut out[..length], at: 0 };
+        writer.put(&MAGIC);
+        for n in [FORMAT_VERSION as usize, kind, length].into_iter().chain(fields) {
+            writer.put(&u32::try_from(n).unwrap_or(u32::MAX).to_le_bytes());
+        }
+        writer
+    }
+
+    pub(crate) fn put(&mut self, bytes: &[u8]) {
         self.out[self.at..self.at + bytes.len()].copy_from_slice(bytes);
         self.at += bytes.len();
     }
@@ -124,14 +130,14 @@ impl<'a> Writer<'a> {
     }
 
     /// Begins a block; returns where its content starts.
-    pub(super) fn begin(&mut self, tag: [u8; 4]) -> usize {
+    pub(crate) fn begin(&mut self, tag: [u8; 4]) -> usize {
         self.put(&tag);
         self.put(&[0; BLOCK_HEAD - 4]);
         self.at
     }
 
     /// Ends a block whose content starts at an offset: its length is known, and zeros follow.
-    pub(super) fn end(&mut self, start: usize) {
+    pub(crate) fn end(&mut self, start: usize) {
         let length = u32::try_from(self.at - start).unwrap_or(u32::MAX);
         self.out[start - 4..start].copy_from_slice(&length.to_le_bytes());
         while !self.at.is_multiple_of(4) {

@@ -29,6 +29,11 @@ pub enum FormatError {
         /// Where it stands, in bytes from the start.
         offset: usize,
     },
+    /// The bytes are those of a sheet where a material is expected, or the other way round.
+    Kind {
+        /// Whether they are those of a sheet.
+        is_sheet: bool,
+    },
     /// The buffer to encode into is too small.
     Buffer {
         /// Bytes that are needed.
@@ -40,7 +45,7 @@ pub enum FormatError {
 
 impl FormatError {
     /// The same of bytes that stand at an offset.
-    pub(super) fn moved(self, by: usize) -> Self {
+    pub(crate) fn moved(self, by: usize) -> Self {
         match self {
             Self::Field { name, offset } => Self::Field { name, offset: offset + by },
             other => other,
@@ -58,6 +63,10 @@ impl fmt::Display for FormatError {
             Self::Length { expected, actual } => write!(f, "{expected} bytes expected, {actual} found"),
             Self::Checksum => f.write_str("the checksum does not fit: the .srbf bytes are damaged"),
             Self::Field { name, offset } => write!(f, "{name} at byte {offset} is out of range"),
+            Self::Kind { is_sheet: true } => {
+                f.write_str("a sheet, which has several materials, where one material is expected")
+            }
+            Self::Kind { is_sheet: false } => f.write_str("a material where a sheet is expected"),
             Self::Buffer { needed, available } => {
                 write!(f, "the buffer has {available} bytes, {needed} are needed")
             }

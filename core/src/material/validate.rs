@@ -23,6 +23,10 @@ const MAX_AZIMUTHS: usize = 64;
 /// Views of an anisotropic material.
 const MAX_GRID_VIEWS: usize = 4096;
 
+/// Byte offsets of version and kind.
+pub(crate) const VERSION: usize = 8;
+pub(crate) const KIND: usize = 12;
+
 /// Bounds of the eigenvalues of the logarithm of the squeeze matrix. Matrices within form a convex set that
 /// turning keeps, so interpolated and turned numbers lie within too.
 const SQUEEZE: (f32, f32) = (-5.0, 6.64);
@@ -35,12 +39,12 @@ pub(crate) fn announced_len(bytes: &[u8]) -> Result<usize, FormatError> {
     if bytes.len() < SMALLEST {
         return Err(FormatError::Length { expected: SMALLEST, actual: bytes.len() });
     }
-    let version = u32_at(bytes, 8);
+    let version = u32_at(bytes, VERSION);
     if !(1..=FORMAT_VERSION).contains(&version) {
         return Err(FormatError::Version(version));
     }
-    if u32_at(bytes, 12) > 1 {
-        return Err(FormatError::Field { name: "kind", offset: 12 });
+    if u32_at(bytes, KIND) > 2 {
+        return Err(FormatError::Field { name: "kind", offset: KIND });
     }
     Ok(u32_at(bytes, 16) as usize)
 }
@@ -51,7 +55,10 @@ pub(crate) fn validate(bytes: &[u8]) -> Result<Header, FormatError> {
     if announced != bytes.len() {
         return Err(FormatError::Length { expected: announced, actual: bytes.len() });
     }
-    let version = u32_at(bytes, 8);
+    if u32_at(bytes, KIND) > 1 {
+        return Err(FormatError::Kind { is_sheet: true });
+    }
+    let version = u32_at(bytes, VERSION);
     let header = read_counts(bytes, version)?;
     let header = if version < 3 { read_places(bytes, header, version)? } else { read_blocks(bytes, header)? };
     if crc32(part(bytes, 0..bytes.len() - CHECKSUM)) != u32_at(bytes, bytes.len() - CHECKSUM) {
@@ -94,7 +101,7 @@ fn read_counts(bytes: &[u8], version: u32) -> Result<Header, FormatError> {
     if !(1..=MAX_VIEWS).contains(&header.views) {
         return field("number of views", 20);
     }
-    if count(12) == 1 {
+    if count(KIND) == 1 {
         (header.kind, header.views) = read_shape(bytes, mirrored)?;
     } else {
         header.mirrored = count(mirrored);
@@ -137,24 +144,40 @@ fn read_places(bytes: &[u8], mut header: Header, version: u32) -> Result<Header,
     Ok(header)
 }
 
+/// A block, whose bytes are there.
+pub(crate) struct FoundBlock {
+    pub tag: [u8; 4],
+    pub length: usize,
+    /// Where the next one begins.
+    pub next: usize,
+}
+
+/// Looks at the block that begins at a place, of blocks that end at one.
+pub(crate) fn block_at(bytes: &[u8], at: usize, end: usize) -> Result<FoundBlock, FormatError> {
+    let field = |name, offset| Err(FormatError::Field { name, offset });
+    if end - at < BLOCK_HEAD {
+        return field("block (cut off)", at);
+    }
+    let tag = u32_at(bytes, at).to_le_bytes();
+    let (start, length) = (at + BLOCK_HEAD, u32_at(bytes, at + 4) as usize);
+    if length > end - start {
+        return field("length of a block", at + 4);
+    }
+    let next = padded(start + length);
+    if next > end || part(bytes, start + length..next).iter().any(|b| *b != 0) {
+        return field("bytes between blocks (must be 0)", start + length);
+    }
+    Ok(FoundBlock { tag, length, next })
+}
+
 /// Walks through the blocks, and finds the places of those that are known; the counts have been checked.
 fn read_blocks(bytes: &[u8], mut header: Header) -> Result<Header, FormatError> {
     let field = |name, offset| Err(FormatError::Field { name, offset });
     let end = bytes.len() - CHECKSUM;
     let mut at = BLOCKS;
     while at < end {
-        if end - at < BLOCK_HEAD {
-            return field("block (cut off)", at);
-        }
-        let tag = u32_at(bytes, at).to_le_bytes();
-        let (start, length) = (at + BLOCK_HEAD, u32_at(bytes, at + 4) as usize);
-        if length > end - start {
-            return field("length of a block", at + 4);
-        }
-        let next = padded(start + length);
-        if next > end || part(bytes, start + length..next).iter().any(|b| *b != 0) {
-            return field("bytes between blocks (must be 0)", start + length);
-        }
+        let FoundBlock { tag, length, next } = block_at(bytes, at, end)?;
+        let start = at + BLOCK_HEAD;
         if matches!(tag, LOBE | PACK) != (at == BLOCKS) {
             return field("tag of a block (lobes come first, once)", at);
         }

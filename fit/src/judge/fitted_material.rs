@@ -2,7 +2,7 @@
 
 use crate::FitError;
 use crate::judge::method::{Fitted, FittedView};
-use srbf_core::{Level, MAX_LOBES, Material, Mixture, Vec3};
+use srbf_core::{Level, MAX_LOBES, Material, Mixture, Vec3, luminance};
 
 /// Angles of the views that a material stores, radians.
 pub fn view_angles(material: &Material<impl AsRef<[u8]>>) -> Vec<f64> {
@@ -18,6 +18,18 @@ impl<B: AsRef<[u8]> + Sync> Fitted for Material<B> {
         let azimuth = if self.is_isotropic() { 0.0 } else { azimuth };
         Ok(Box::new(TrackedView::new(self, theta, azimuth)?))
     }
+}
+
+/// `f cos` of the luminance towards incident directions, of one outgoing direction; all in the frame of the surface. By scalar kernels.
+pub(crate) fn values_towards(
+    material: &Material<impl AsRef<[u8]>>,
+    wo: [f64; 3],
+    wi: &[[f64; 3]],
+) -> Result<Vec<f64>, FitError> {
+    let narrow = |d: [f64; 3]| Vec3::from(d.map(|v| v as f32)).normalize();
+    let mut mixture = Mixture::<MAX_LOBES>::empty();
+    material.prepare_with(narrow(wo), Level::Scalar.into(), &mut mixture)?;
+    Ok(wi.iter().map(|d| f64::from(luminance(mixture.evaluate(narrow(*d)).to_array()))).collect())
 }
 
 /// Directions over which a value with factors is averaged: to about a thousandth.

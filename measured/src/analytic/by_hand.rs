@@ -17,7 +17,7 @@ struct Formula {
 }
 
 /// All of them.
-const FORMULAS: [Formula; 8] = [
+const FORMULAS: [Formula; 9] = [
     // RossThick and LiSparseReciprocal, as MODIS has them: Lucht, Schaaf and Strahler 2000.
     Formula {
         name: "ross-li",
@@ -78,10 +78,19 @@ const FORMULAS: [Formula; 8] = [
             facets / (4.0 * (at.cos[0] + at.cos[1] - at.cos[0] * at.cos[1]))
         },
     },
+    // Walter et al. 2007, "Microfacet Models for Refraction through Rough Surfaces": light through a plate that is rough in front and smooth
+    // behind, without light that goes to and fro within. Both directions lie above the horizon; straight through is the mirror direction.
+    Formula {
+        name: "ground-glass",
+        parameters: &[("alpha", 0.3, [0.01, 1.0]), ("ior", 1.5, [1.01, 3.0]), ("behind", 0.0, [0.0, 1.0])],
+        value: ground_glass,
+    },
 ];
 
 /// The arguments of the formulas.
 struct Angles {
+    /// Both directions.
+    pair: [[f64; 3]; 2],
     /// Cosines and tangents of both angles from the normal.
     cos: [f64; 2],
     tan: [f64; 2],
@@ -104,6 +113,7 @@ impl Angles {
         let both = (across[0] * across[1]).max(f64::MIN_POSITIVE);
         let (h, difference) = half(wi, wo);
         Self {
+            pair: [wi, wo],
             cos,
             tan: [0, 1].map(|k| across[k] / cos[k]),
             turn: ((wi[0] * wo[0] + wi[1] * wo[1]) / both).clamp(-1.0, 1.0),
@@ -173,6 +183,30 @@ fn oren_nayar(p: &[f64], at: &Angles) -> f64 {
     FRAC_1_PI * p[0] * (a + b * at.turn.max(0.0) * lift)
 }
 
+/// `behind`: whether the viewer is on the smooth side.
+fn ground_glass(p: &[f64], at: &Angles) -> f64 {
+    let (alpha, ior) = (p[0], p[1]);
+    let [wi, wo] = at.pair;
+    // The direction on the rough side, and the other one in the glass, below.
+    let (rough, smooth) = if p[2] >= 0.5 { (wi, wo) } else { (wo, wi) };
+    let [x, y] = [smooth[0] / ior, smooth[1] / ior];
+    let inside = [x, y, -libm::sqrt(1.0 - x * x - y * y)];
+    let h = [0, 1, 2].map(|k| -(rough[k] + ior * inside[k]));
+    let length = libm::sqrt(dot(h, h));
+    // Of an index above 1 the half vector points into the glass.
+    let h = h.map(|v| v / length);
+    let (outer, inner) = (dot(rough, h), dot(inside, h));
+    if h[2] <= 0.0 || outer <= 0.0 || inner >= 0.0 {
+        return 0.0;
+    }
+    let squares = alpha * alpha;
+    let facets = squares / (PI * libm::pow(h[2] * h[2] * (squares - 1.0) + 1.0, 2.0));
+    let seen = |z: f64| 2.0 / (1.0 + libm::sqrt(1.0 + squares * (1.0 / (z * z) - 1.0)));
+    let through = (1.0 - fresnel::dielectric(ior, outer)) * (1.0 - fresnel::dielectric(ior, smooth[2]));
+    let spread = outer * -inner / (rough[2] * -inside[2] * libm::pow(outer + ior * inner, 2.0));
+    spread * through * seen(rough[2]) * seen(-inside[2]) * facets
+}
+
 /// A model by one of the formulas.
 pub struct ByHand {
     formula: &'static Formula,
@@ -232,6 +266,37 @@ mod tests {
             let found = value(text, i, o, turn);
             assert!((found / expected - 1.0).abs() < 2e-3, "{text}: {found}, {expected}");
         }
+    }
+
+    /// Of a smooth plate all light that both faces let through goes straight on; more roughness loses some within the glass.
+    #[test]
+    fn ground_glass_transmits_what_its_faces_do() {
+        for behind in [0, 1] {
+            let sum = |alpha: f64, degrees: f64| {
+                let model =
+                    super::super::tests::parse(&format!("ground-glass:alpha={alpha},behind={behind}"))
+                        .unwrap()
+                        .brdf;
+                super::super::tests::albedo(model.as_ref(), direction(degrees.to_radians(), 0.3), 0)
+            };
+            for degrees in [0.0f64, 40.0] {
+                let faces = (1.0 - fresnel::dielectric(1.5, libm::cos(degrees.to_radians()))).powi(2);
+                let smooth = sum(0.02, degrees);
+                assert!((smooth / faces - 1.0).abs() < 0.01, "{behind} {degrees}: {smooth} {faces}");
+                let rough = sum(0.3, degrees);
+                assert!(rough < smooth && rough > 0.8 * smooth, "{behind} {degrees}: {rough} {smooth}");
+            }
+        }
+        // Light the other way is the same, seen from behind.
+        let pair = [direction(0.3, 0.2), direction(0.7, 2.9)];
+        let value = |behind: usize, [wi, wo]: [[f64; 3]; 2]| {
+            super::super::tests::parse(&format!("ground-glass:behind={behind}"))
+                .unwrap()
+                .brdf
+                .evaluate(wi, wo)[0]
+        };
+        assert_eq!(value(0, pair), value(1, [pair[1], pair[0]]));
+        assert!(value(0, pair) > 0.0 && value(0, pair) != value(1, pair));
     }
 
     #[test]

@@ -1,7 +1,9 @@
 //! Conventions of the numbers of a file, where the file itself does not state them.
 
 use super::chosen::ChosenWavelengths;
+use super::window::Band;
 pub use crate::row::Values;
+use srbf_core::Quarter;
 
 /// Units of angles.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -46,6 +48,11 @@ pub struct Conventions {
     pub divide: f64,
     /// The wavelengths that are read, of a file that has some; `None`: all.
     pub wavelengths: Option<ChosenWavelengths>,
+    /// The quarter of a sheet that is read: by default the reflection seen from the front. Directions behind the sheet change the sign of
+    /// their height, so that straight through is the mirror direction.
+    pub quarter: Quarter,
+    /// The part of the spectrum that is read, of a file of a window.
+    pub band: Band,
 }
 
 impl Default for Conventions {
@@ -58,6 +65,8 @@ impl Default for Conventions {
             is_saturated: false,
             divide: 1.0,
             wavelengths: None,
+            quarter: Quarter::FrontReflection,
+            band: Band::Visible,
         }
     }
 }

@@ -24,6 +24,7 @@ pub(crate) enum Format {
     NumPy,
     Utia,
     Records,
+    Window,
     Text,
 }
 
@@ -182,13 +183,11 @@ pub(crate) fn recognise(bytes: &[u8], ending: &str) -> Result<Format, ReadError>
     if text.strip_prefix('[').is_some_and(|rest| rest.trim_start().starts_with(['{', '['])) {
         return Ok(Format::Records);
     }
-    let is_window = text.contains("<WindowElement");
-    if first.starts_with('<') || is_window {
-        return fail(if is_window {
-            "an XML file of a window (Radiance, WINDOW): its patches are no samples; give the measurement that it was made from"
-        } else {
-            "an XML or HTML file, not a measurement"
-        });
+    if super::window::is_window(text) {
+        return Ok(Format::Window);
+    }
+    if first.starts_with('<') {
+        return fail("an XML or HTML file, not a measurement");
     }
     if has("VARS") && (has("NUM_POINTS") || ending == "astm" || has("MEAS_NAME") || has("LAB_NAME")) {
         return Ok(Format::Astm);
@@ -270,6 +269,7 @@ mod tests {
             ("VERSION 0.2\nDATA_TYPE brdf\n", "ssdd", Format::Ssdd),
             ("MEAS_NAME BRDF\nVARS theta_i,phi_i\n", "txt", Format::Astm),
             ("# x\n31 # wavelengths\n400", "brdf", Format::Cornell),
+            ("<?xml version=\"1.0\"?><WindowElement>", "xml", Format::Window),
             ("theta_i,phi_i,theta_o,phi_o,value\n", "brdf", Format::Text),
             ("theta_i,phi_i,theta_o,phi_o,value\n", "", Format::Text),
         ] {
@@ -277,7 +277,7 @@ mod tests {
         }
         for (text, word) in [
             ("PK\x03\x04", "CSV"),
-            ("<?xml version=\"1.0\"?><WindowElement>", "window"),
+            ("<?xml version=\"1.0\"?><note>", "XML"),
             ("analytic\n\n::begin parameters", "Explorer"),
             ("\tTemperature\tWavelength\tIncAngle\tScatterBeta\n", "TracePro"),
         ] {

@@ -192,6 +192,10 @@ impl Reading {
         [cells, spectrum]: [&[f64]; 2],
     ) {
         let wi = if self.conventions.is_along_light { wi.map(|v| -v) } else { wi };
+        let quarter = self.conventions.quarter;
+        let flipped = |d: [f64; 3], is_flipped: bool| if is_flipped { [d[0], d[1], -d[2]] } else { d };
+        let wi = flipped(wi, quarter.is_back() != quarter.is_transmission());
+        let wo = flipped(wo, quarter.is_back());
         self.rows += 1;
         self.behind += usize::from(wi[2] < -HORIZON && wo[2] > HORIZON);
         let (below, at) = (|d: &[f64; 3]| d[2] < -HORIZON, |d: &[f64; 3]| d[2].abs() <= HORIZON);

@@ -1,5 +1,7 @@
 //! Options for the conventions that a file of samples leaves open.
 
+use srbf_core::Quarter;
+use srbf_fit::read::window::Band;
 use srbf_fit::read::{Angles, ChosenWavelengths, Conventions, Mirror, Values};
 use std::f64::consts::PI;
 
@@ -28,6 +30,28 @@ pub struct ConventionArgs {
     /// Of a file of spectra, the wavelengths that are read, in nm: numbers and ranges, such as 905 or 400-700,905 [default: all]
     #[arg(long, value_name = "NM", value_parser = ChosenWavelengths::parse)]
     wavelengths: Option<ChosenWavelengths>,
+    /// Of a sheet, what is read: reflection or transmission, as a viewer in front or behind sees it
+    /// [default: the reflection of the front; `fit` of a file of a window: all]
+    #[arg(long, value_name = "WHICH")]
+    quarter: Option<QuarterName>,
+    /// Of a file of a window, the part of the spectrum
+    #[arg(long, value_name = "NAME", default_value = "visible", hide_default_value = true)]
+    band: BandName,
+}
+
+#[derive(Clone, Copy, Debug, clap::ValueEnum)]
+enum QuarterName {
+    FrontReflection,
+    FrontTransmission,
+    BackReflection,
+    BackTransmission,
+}
+
+#[derive(Clone, Copy, Debug, clap::ValueEnum)]
+enum BandName {
+    Visible,
+    Solar,
+    Infrared,
 }
 
 #[derive(Clone, Copy, Debug, clap::ValueEnum)]
@@ -73,6 +97,11 @@ fn factor(text: &str) -> Result<f64, String> {
 }
 
 impl ConventionArgs {
+    /// Whether no quarter of a sheet is named.
+    pub fn is_of_all_quarters(&self) -> bool {
+        self.quarter.is_none()
+    }
+
     /// As the reader takes it.
     pub fn conventions(&self) -> Conventions {
         Conventions {
@@ -93,6 +122,12 @@ impl ConventionArgs {
             is_saturated: self.saturated == Some(SaturatedName::LeaveOut),
             divide: self.divide,
             wavelengths: self.wavelengths,
+            quarter: Quarter::ALL[self.quarter.map_or(0, |name| name as usize)],
+            band: match self.band {
+                BandName::Visible => Band::Visible,
+                BandName::Solar => Band::Solar,
+                BandName::Infrared => Band::Infrared,
+            },
         }
     }
 }

@@ -6,9 +6,11 @@ use crate::out::print::shown;
 use crate::truth::measured::MeasuredMaterial;
 use crate::truth::stored::StoredMaterial;
 use anyhow::{Context, bail};
-use srbf_fit::export;
-use srbf_fit::read::{Content, Conventions, Source, Spectra, merl, read_with, rgl};
+use srbf_core::{FormatError, Material, Quarter, Sheet, read_file};
+use srbf_fit::patches::{Basis, PatchMatrix};
+use srbf_fit::read::{Content, Conventions, Source, Spectra, merl, read_with, rgl, sheet_of};
 use srbf_fit::table::{Brdf, Symmetry};
+use srbf_fit::{export, klems_of, klems_of_sheet};
 use std::path::{Path, PathBuf};
 
 /// Writes a measured BRDF, a model or a fit in the format of another program.
@@ -29,6 +31,9 @@ use std::path::{Path, PathBuf};
 /// 16 outgoing directions by some 1300 incident ones. At the samples nothing is lost; between them nothing is said. Samples and models
 /// with spectra, and such fits with --wavelengths, become a .csv of one column for each wavelength; .astm has their colours.
 ///
+/// .xml (WINDOW, Radiance): means over the 145 patches of Klems, of visible light. A sheet has all its quarters there, all else the reflection
+/// of the front.
+///
 /// Not possible: .brdf (Cornell) holds spectra, which a colour does not tell; .srbf is a fit, by `srbf fit`; .binary and .astm of anisotropic surfaces.
 /// Samples become .binary or .bsdf by what `srbf fit` completes them to. After .binary and .bsdf the file is read again, and how far it is off
 /// is printed.
@@ -37,7 +42,7 @@ pub struct Args {
     /// The measured BRDF or the model, as `srbf fit` reads it, or a fit
     #[arg(value_name = "FILE|MODEL|FIT.srbf")]
     input: PathBuf,
-    /// The file to write: .binary, .bsdf, .csv or .astm
+    /// The file to write: .binary, .bsdf, .csv, .astm or .xml
     #[arg(value_name = "OUTPUT")]
     output: PathBuf,
     #[command(flatten)]
@@ -51,6 +56,7 @@ enum Format {
     Rgl,
     Csv,
     Astm,
+    Window,
 }
 
 impl Format {
@@ -63,11 +69,12 @@ impl Format {
             "bsdf" => Self::Rgl,
             "csv" => Self::Csv,
             "astm" => Self::Astm,
+            "xml" => Self::Window,
             "srbf" => bail!("output {name}: lobes are fitted, by `srbf fit FILE -o {name}`"),
             "brdf" => bail!(
                 "output {name}: .brdf holds spectra, which three channels do not tell; .astm holds those"
             ),
-            _ => bail!("output {name}: a name that ends in .binary, .bsdf, .csv or .astm is expected"),
+            _ => bail!("output {name}: a name that ends in .binary, .bsdf, .csv, .astm or .xml is expected"),
         })
     }
 }
@@ -76,19 +83,27 @@ impl Format {
 pub fn run(args: Args) -> anyhow::Result<()> {
     let format = Format::of(&args.output)?;
     output::check_place(&args.output)?;
+    if let Format::Window = format {
+        return write_window(&args).with_context(|| shown(&args.input));
+    }
     let source = source(&args.input, &args.conventions.conventions())?;
     let named = || shown(&args.input);
     match format {
         Format::Merl | Format::Rgl => write_grid(&args.output, format, source),
         Format::Csv => write_samples(&args.output, source, true),
-        Format::Astm => write_samples(&args.output, source, false),
+        Format::Astm | Format::Window => write_samples(&args.output, source, false),
     }
     .with_context(named)
 }
 
+/// Whether a file is a fit, by its name.
+fn is_fit(input: &Path) -> bool {
+    input.extension().is_some_and(|end| end.eq_ignore_ascii_case("srbf"))
+}
+
 /// The file that was read, or the lobes of a fit.
 fn source(input: &Path, conventions: &Conventions) -> anyhow::Result<Source> {
-    if !input.extension().is_some_and(|end| end.eq_ignore_ascii_case("srbf")) {
+    if !is_fit(input) {
         return Ok(read_with(input, conventions)?);
     }
     let StoredMaterial { name, material } = StoredMaterial::load(&input.to_string_lossy())?;
@@ -97,6 +112,38 @@ fn source(input: &Path, conventions: &Conventions) -> anyhow::Result<Source> {
     let map = map.map(|map| Spectra::of_map(map, conventions.wavelengths));
     let spectra = map.transpose().with_context(|| shown(input))?;
     Ok(Source::evaluable(Box::new(export::Lobes(material)), name, String::new()).with_spectra(spectra))
+}
+
+/// Writes the means over patches: of a sheet, or of the reflection of anything else.
+fn write_window(args: &Args) -> anyhow::Result<()> {
+    let name = args.input.file_stem().unwrap_or_default().to_string_lossy().into_owned();
+    let conventions = args.conventions.conventions();
+    let basis = Basis::klems_full();
+    let quarters = if is_fit(&args.input) {
+        let bytes = read_file(&args.input)?;
+        match Sheet::from_bytes(bytes.as_slice()) {
+            Ok(sheet) => klems_of_sheet(&sheet)?,
+            Err(FormatError::Kind { is_sheet: false }) => {
+                [Some(klems_of(&Material::from_bytes(bytes.as_slice())?)?), None, None, None]
+            }
+            Err(error) => return Err(error.into()),
+        }
+    } else if let Some(window) = sheet_of(&args.input, &conventions)? {
+        let of = |quarter| {
+            let brdf = window.brdf(quarter)?;
+            Some(PatchMatrix::of(&basis, &basis, |wi, wo| brdf.evaluate(wi, wo)[0]))
+        };
+        Quarter::ALL.map(of)
+    } else {
+        let material = MeasuredMaterial::new(read_with(&args.input, &conventions)?)?;
+        let value = |wi, wo| srbf_fit::table::luminance(material.brdf().evaluate(wi, wo));
+        [Some(PatchMatrix::of(&basis, &basis, value)), None, None, None]
+    };
+    let text = export::window(&name, &quarters);
+    output::write(&args.output, text.as_bytes())?;
+    let count = quarters.iter().flatten().count();
+    println!("{}: {} bytes, {count} matrices of 145 x 145 patches", shown(&args.output), text.len());
+    Ok(())
 }
 
 /// Writes samples: those that were read, or those of a BRDF; `is_csv`: with spectra where there are some.

@@ -4,6 +4,7 @@ mod method;
 pub mod names;
 mod picture;
 mod settings;
+mod sheet;
 mod words;
 
 use super::convention_args::ConventionArgs;
@@ -34,7 +35,7 @@ use std::time::Instant;
 #[derive(Debug, clap::Args)]
 pub struct Args {
     /// Measured BRDFs, or analytic models: tables of text (CSV) in any usual layout, and files of Cornell, MERL, RGL, Zemax,
-    /// LightTools, SPEOS, OpenMATERIAL, ALTA, pgII, SSDD. See docs/csv.md.
+    /// LightTools, SPEOS, OpenMATERIAL, ALTA, pgII, SSDD, WINDOW (XML, a sheet). See docs/csv.md.
     ///
     /// Models are named model:NAME:KEY=VALUE,KEY=VALUE: model:lambert:albedo=0.6/0.2/0.1,
     /// model:phong:diffuse=0.3,specular=0.3,exponent=50, model:ward:diffuse=0.2,specular=0.3,alpha_x=0.1,alpha_y=0.4,
@@ -93,7 +94,13 @@ pub fn run(args: Args) -> anyhow::Result<()> {
 /// Fits a file, with the picture and the report that are asked for.
 fn fit_one(args: &Args, place: &Job, picture: Option<&Path>) -> anyhow::Result<()> {
     let file = &place.file;
-    let source = method::read(file, args.material.as_deref(), &args.conventions.conventions())?;
+    let conventions = args.conventions.conventions();
+    if args.conventions.is_of_all_quarters()
+        && let Some(window) = srbf_fit::read::sheet_of(file, &conventions)?
+    {
+        return sheet::fit(args, place, picture, &window, &conventions);
+    }
+    let source = method::read(file, args.material.as_deref(), &conventions)?;
     check_options(file, &source.content, &args.settings)?;
     // After the file, which is named first where memory is short.
     let light = picture.map(|_| args.picture.light()).transpose()?;

@@ -1,9 +1,9 @@
 //! `srbf inspect`.
 
 use crate::truth::LargeMixture;
-use crate::truth::stored::StoredMaterial;
+use crate::truth::stored::{QUARTERS, StoredMaterial};
 use glam::Vec3;
-use srbf_core::{MAX_LOBES, Material, SpectralMap, printable};
+use srbf_core::{MAX_LOBES, Material, Quarter, Sheet, SpectralMap, printable, read_file};
 use srbf_fit::judge::report::{factor_bytes, factor_words};
 
 /// Prints the content of a .srbf material.
@@ -23,6 +23,12 @@ pub struct Args {
 
 /// Runs the command.
 pub fn run(args: Args) -> anyhow::Result<()> {
+    if let Ok(bytes) = read_file(args.material.as_ref())
+        && let Ok(sheet) = Sheet::from_bytes(bytes)
+    {
+        print_sheet(&args.material, &sheet);
+        return Ok(());
+    }
     let stored = StoredMaterial::load(&args.material)?;
     let material = &stored.material;
     println!("name        {}", printable(&stored.name));
@@ -91,6 +97,38 @@ pub fn run(args: Args) -> anyhow::Result<()> {
         print_lobes(material);
     }
     Ok(())
+}
+
+/// Prints what a sheet has.
+fn print_sheet(name: &str, sheet: &Sheet<Vec<u8>>) {
+    println!("name        {}", printable(name));
+    println!("bytes       {}, a sheet", sheet.bytes().len());
+    if sheet.is_symmetric() {
+        println!("back        like the front");
+    }
+    for (quarter, own) in Quarter::ALL.into_iter().zip(QUARTERS) {
+        let words = match sheet.quarter(quarter) {
+            Some(material) => format!(
+                "{} bytes, {} lobes at {} views{}",
+                material.bytes().len(),
+                material.lobe_count(),
+                material.view_count(),
+                if material.is_isotropic() { "" } else { ", anisotropic" }
+            ),
+            None => "black".to_owned(),
+        };
+        println!("{own:<18}  {words}");
+    }
+    for (n, line) in sheet.provenance().lines().enumerate() {
+        println!("{}  {}", if n == 0 { "provenance" } else { "         |" }, printable(line));
+    }
+    println!("\n  degrees   share of draws that are reflected, in front and behind");
+    for degrees in [0.0f32, 20.0, 40.0, 60.0, 75.0, 85.0] {
+        let (sin, cos) = degrees.to_radians().sin_cos();
+        let [front, back] = [cos, -cos].map(|z| sheet.reflected_share(Vec3::new(sin, 0.0, z)));
+        println!("  {degrees:>7}   {front:.3}  {back:.3}");
+    }
+    println!("\nA quarter is a material: {}:front-transmission", printable(name));
 }
 
 /// The map from colours to spectra in words.

@@ -1,7 +1,7 @@
 //! Materials by name: the embedded presets, a matte grey, and `.srbf` files.
 
 use anyhow::{Context, bail};
-use srbf_core::{Line, Material, PlaneLobe, View, color_differences, read_file};
+use srbf_core::{Line, Material, PlaneLobe, Quarter, Sheet, View, color_differences, read_file};
 use std::borrow::Cow;
 use std::path::Path;
 
@@ -20,6 +20,17 @@ pub const MATTE: &str = "matte";
 
 /// The bytes of a preset, or those of a file.
 pub type Bytes = Cow<'static, [u8]>;
+
+/// What the quarters of a sheet are called, in the order of [`Quarter::ALL`].
+pub const QUARTERS: [&str; 4] =
+    ["front-reflection", "front-transmission", "back-reflection", "back-transmission"];
+
+/// The file and the quarter of a sheet that a name such as `cloth.srbf:front-transmission` stands for.
+fn quarter_of(name: &str) -> Option<(&Path, Quarter)> {
+    let (path, quarter) = name.rsplit_once(':')?;
+    let place = QUARTERS.iter().position(|own| *own == quarter)?;
+    Some((Path::new(path), Quarter::ALL[place]))
+}
 
 /// A material and its name.
 #[derive(Clone, Debug)]
@@ -50,9 +61,14 @@ impl StoredMaterial {
                 presets.join(", ")
             );
         }
+        let (path, quarter) = quarter_of(name).map_or((path, None), |(path, quarter)| (path, Some(quarter)));
         let read = || {
             let stem = path.file_stem().unwrap_or_default().to_string_lossy();
-            Self::new(&stem, Cow::Owned(read_file(path)?))
+            let bytes = read_file(path)?;
+            let Some(quarter) = quarter else { return Self::new(&stem, Cow::Owned(bytes)) };
+            let sheet = Sheet::from_bytes(bytes)?;
+            let material = sheet.quarter(quarter).context("this quarter of the sheet is black")?;
+            Self::new(&stem, Cow::Owned(material.bytes().to_vec()))
         };
         read().with_context(|| format!("material {name}"))
     }

@@ -2,9 +2,11 @@
 
 use super::input::{above, random};
 use crate::inputs::Random;
+use srbf_core::Quarter;
 use srbf_measured::ReadError;
 use srbf_measured::analytic;
 use srbf_measured::export;
+use srbf_measured::read::window::{Band, Window};
 use srbf_measured::read::{self, Content, Conventions, Intake, astm, cornell, csv, merl, neural, rgl, utia};
 use srbf_measured::table::{Brdf, Scattered, Table};
 use std::path::Path;
@@ -72,6 +74,29 @@ fn scattered(parsed: Result<Intake, ReadError>) -> bool {
     if let Ok(table) = Table::from_scattered(views.into_iter().take(MOST_VIEWS).collect()) {
         let mut samples = table.views.iter().flat_map(|view| &view.samples);
         assert!(samples.all(|s| s.weight.is_finite()), "a sample without a weight");
+    }
+    true
+}
+
+/// The XML of WINDOW and Radiance: its quarters are functions with a value everywhere.
+pub fn window(bytes: &[u8]) -> bool {
+    let window = match Window::parse(bytes, Band::Visible) {
+        Ok(window) => window,
+        Err(error) => {
+            assert!(!error.to_string().is_empty());
+            return false;
+        }
+    };
+    assert!(window.scale > 0.0 && window.scale <= 1.0, "{}", window.scale);
+    let mut random = random(bytes);
+    for quarter in Quarter::ALL {
+        let Some(matrix) = &window.quarters[quarter as usize] else { continue };
+        assert!(matrix.values.iter().all(|v| v.is_finite() && *v >= 0.0));
+        // Of many patches a function takes long to find.
+        if matrix.values.len() <= 1000 {
+            let brdf = window.brdf(quarter).expect("it is there");
+            evaluate(&brdf, &mut random, 6);
+        }
     }
     true
 }

@@ -2,7 +2,7 @@
 //!
 //! `cargo run --release -p srbf-tests --bin seeds` writes them; with `--check` it compares them with the files that are there.
 
-use srbf_core::{Environment, PackOptions, environment_len};
+use srbf_core::{Environment, Material, PackOptions, Sheet, environment_len};
 use srbf_tests::attack::TARGETS;
 use srbf_tests::inputs::Random;
 use srbf_tests::kinds::{KINDS, packed};
@@ -95,6 +95,7 @@ fn files() -> Files {
         add(&format!("formats/{name}-turned"), &[&[which], text.as_bytes()].concat());
     }
     add("csv/rotation", ROTATION.as_bytes());
+    add("window/both-sides", include_bytes!("../../corpus/small.xml"));
     // Half plane waves: enough to be no constant.
     let weights = |n: usize| ((n as f32 * 0.7).sin() * 0.3).to_le_bytes();
     add("neural/one", &(0..675).flat_map(weights).collect::<Vec<u8>>());
@@ -121,6 +122,16 @@ fn materials(files: &mut Files) {
         ("version2", include_bytes!("../../corpus/version2.srbf")),
     ] {
         files.insert(format!("material/{name}"), bytes.to_vec());
+    }
+    let kinds =
+        [0, 4].map(|kind: usize| Material::from_bytes(KINDS[kind].bytes()).expect("a valid material"));
+    for (name, quarters, is_symmetric) in [
+        ("both-sides", [Some(&kinds[0]), None, None, Some(&kinds[1])], false),
+        ("alike", [None, Some(&kinds[1]), None, None], true),
+    ] {
+        let mut bytes = vec![0; Sheet::encoded_len(quarters, "a seed")];
+        Sheet::encode(quarters, is_symmetric, "a seed", &mut bytes).expect("valid materials");
+        files.insert(format!("sheet/{name}"), bytes);
     }
     // Mirrored pairs, and factors.
     for (name, kind, options) in

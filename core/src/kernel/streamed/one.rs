@@ -93,7 +93,7 @@ impl<B: AsRef<[u8]>> Material<B> {
 
 /// The request to a material, beside the outgoing direction.
 #[derive(Clone, Copy)]
-pub(super) struct Asked {
+pub(crate) struct Asked {
     /// Uniform numbers of a draw.
     pub u: Option<[f32; 3]>,
     /// Where else it is to be evaluated.
@@ -104,7 +104,7 @@ pub(super) struct Asked {
 
 /// Asks a material.
 #[inline(always)]
-pub(super) fn ask_one(material: MaterialRef<'_>, wo: Vec3, asked: Asked) -> Answer {
+pub(crate) fn ask_one(material: MaterialRef<'_>, wo: Vec3, asked: Asked) -> Answer {
     let Asked { u, wi, colors } = asked;
     let which = Which { draws: u.is_some(), evaluates: wi.is_some(), colors };
     let ([a, b, c], [x, y, z]) = (u.unwrap_or_default(), wi.unwrap_or_default());

@@ -69,6 +69,11 @@ impl<B: AsRef<[u8]>> Material<B> {
     }
 }
 
+/// [`Material::ask_each`] of what kernels read, of slices that have been checked.
+pub(crate) fn ask_materials(materials: &[MaterialRef<'_>], wo: [&[f32]; 3], request: &mut Request<'_>) {
+    ask(Asking::Each(&|i| materials[i]), wo, request);
+}
+
 /// Fewer hits than this are taken one by one.
 #[cfg(feature = "simd")]
 const FEW: usize = 4;

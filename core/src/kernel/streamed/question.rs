@@ -6,7 +6,7 @@ use glam::Vec3;
 
 /// The answer of a material.
 #[derive(Clone, Copy)]
-pub(super) struct Answer {
+pub(crate) struct Answer {
     pub sample: Option<Sample>,
     /// Towards the other direction.
     pub value: Vec3,

@@ -49,6 +49,30 @@ impl Args {
         self.say(&heading, report, material, Some(material), json)
     }
 
+    /// Whether the report alone is printed.
+    pub fn is_json(&self) -> bool {
+        self.json
+    }
+
+    /// Says how good the fit of a quarter of a sheet is.
+    pub fn say_quarter(&self, name: &str, report: &Report, material: &Material<&[u8]>) -> anyhow::Result<()> {
+        let (lobes, views) = (material.lobe_count(), material.view_count());
+        let bytes = material.bytes().len();
+        let heading = format!(
+            "{name}: {bytes} bytes, {lobes} lobes at {views} views, fitted in {:.1} s",
+            report.seconds
+        );
+        if !self.json {
+            self.say(&heading, report, material, Some(material), "")?;
+        }
+        Ok(())
+    }
+
+    /// The words of the verdict on a fit.
+    pub fn words_of(&self, report: &Report, material: &Material<&[u8]>) -> anyhow::Result<Vec<String>> {
+        Ok(view_table::words(report, &Verdict::of_material(report, &reciprocity(material)?)))
+    }
+
     /// Says how good a fit by another method is.
     pub fn say_baseline(&self, place: &Job, fit: &Baseline) -> anyhow::Result<()> {
         let heading = format!("{}: fitted in {:.1} s", shown(&place.output), fit.report.seconds);
@@ -103,6 +127,11 @@ impl Args {
 pub fn next(material: &Path) -> String {
     let picture = material.with_extension("exr");
     format!("srbf render --scene teapot --material {} -o {}", quoted(material), quoted(&picture))
+}
+
+/// What to do with a sheet next.
+pub fn inspect(sheet: &Path) -> String {
+    format!("srbf inspect {}", quoted(sheet))
 }
 
 /// A path as a shell takes it for one word.

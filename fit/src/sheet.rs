@@ -1,0 +1,204 @@
+//! Fits of sheets: a material for each quarter, and how the light of each incident patch is divided.
+//!
+//! May import: `fit`, `judge`, `settings`.
+
+use crate::fit::fit_source;
+use crate::judge::fitted_material::values_towards;
+use crate::judge::report::Fit;
+use crate::patches::{Basis, PatchMatrix, Ring};
+use crate::read::Source;
+use crate::read::window::{Window, words};
+use crate::{FitError, Settings};
+use serde_json::{Value, json};
+use srbf_core::{Material, Quarter, Sheet};
+
+/// Relative L2 distance of two quarters up to which the back is like the front.
+const LIKE: f64 = 0.01;
+
+/// A sheet, and how well its quarters fit.
+#[derive(Debug)]
+pub struct SheetFit {
+    /// The `.srbf` bytes of the sheet.
+    pub bytes: Vec<u8>,
+    /// The fits of the quarters that are stored.
+    pub quarters: Vec<(Quarter, Fit)>,
+    /// Light that falls on the front, and on the back, by angle.
+    pub sides: [Vec<Light>; 2],
+    /// Relative L2 distance of the values of each quarter's patches from the data, in the order of `quarters`.
+    pub patches: Vec<f64>,
+    /// Whether the back is like the front.
+    pub is_symmetric: bool,
+}
+
+/// Where the light goes that falls on one side at an angle; means over the azimuth.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Light {
+    /// The angle from the normal, radians.
+    pub theta: f64,
+    /// Reflected share: of the data, of the fit.
+    pub reflected: [f64; 2],
+    /// Transmitted share: of the data, of the fit.
+    pub transmitted: [f64; 2],
+}
+
+/// Fits all quarters of a sheet.
+///
+/// `source` gives the measurement of a quarter; its values are means over patches. `progress` is called with the share of the work that is
+/// done, 0 to 1.
+///
+/// # Errors
+/// As [`fit_source`], with the quarter; and those of `source`.
+pub fn fit_sheet(
+    window: &Window,
+    settings: &Settings,
+    mut source: impl FnMut(Quarter) -> Result<Source, FitError>,
+    mut progress: impl FnMut(f64) + Send,
+) -> Result<SheetFit, FitError> {
+    let is_symmetric = is_symmetric(window);
+    let is_there = |q: &Quarter| window.quarters[*q as usize].is_some() && !(is_symmetric && q.is_back());
+    let wanted: Vec<Quarter> = Quarter::ALL.into_iter().filter(is_there).collect();
+    let mut quarters = Vec::new();
+    for (n, quarter) in wanted.iter().enumerate() {
+        let done = |share: f64| progress((n as f64 + share) / wanted.len() as f64);
+        quarters.push((*quarter, fit_source(&source(*quarter)?, settings, done)?));
+    }
+    let mut materials: [Option<Material<&[u8]>>; 4] = [const { None }; 4];
+    for (quarter, fit) in &quarters {
+        materials[*quarter as usize] = Some(Material::from_bytes(fit.bytes.as_slice())?);
+    }
+    let stored = materials.each_ref().map(Option::as_ref);
+    let mut bytes = vec![0; Sheet::encoded_len(stored, &settings.provenance)];
+    Sheet::encode(stored, is_symmetric, &settings.provenance, &mut bytes)?;
+    let means = |quarter: Quarter| -> Result<Option<PatchMatrix>, FitError> {
+        let place = quarter as usize & if is_symmetric { 1 } else { 3 };
+        let data = window.quarters[quarter as usize].as_ref();
+        data.zip(materials[place].as_ref()).map(|(data, material)| patch_means(data, material)).transpose()
+    };
+    let mut fitted: [Option<PatchMatrix>; 4] = [const { None }; 4];
+    for quarter in Quarter::ALL {
+        fitted[quarter as usize] = means(quarter)?;
+    }
+    let distance = |(quarter, _): &(Quarter, Fit)| {
+        let place = *quarter as usize;
+        window.quarters[place]
+            .as_ref()
+            .zip(fitted[place].as_ref())
+            .map_or(0.0, |(data, own)| own.distance(data))
+    };
+    let patches = quarters.iter().map(distance).collect();
+    // Light is reflected to the side that it comes from, and seen through the sheet from the other.
+    let sides = [(0, 3), (2, 1)].map(|(reflected, transmitted)| {
+        let of = |place: usize| [&window.quarters[place], &fitted[place]];
+        lights(of(reflected), of(transmitted))
+    });
+    Ok(SheetFit { bytes, quarters, sides, patches, is_symmetric })
+}
+
+/// The means of a sheet over the patches of Klems, for each quarter that is not black, in the order of [`Quarter::ALL`]: those of the
+/// luminance.
+///
+/// # Errors
+/// [`FitError::Render`] never for a sheet that was read.
+pub fn klems_of_sheet(sheet: &Sheet<impl AsRef<[u8]>>) -> Result<[Option<PatchMatrix>; 4], FitError> {
+    let mut all = [const { None }; 4];
+    for quarter in Quarter::ALL {
+        if let Some(material) = sheet.quarter(quarter) {
+            all[quarter as usize] = Some(klems_of(&material)?);
+        }
+    }
+    Ok(all)
+}
+
+/// The same of a material.
+///
+/// # Errors
+/// As [`klems_of_sheet`].
+pub fn klems_of(material: &Material<impl AsRef<[u8]>>) -> Result<PatchMatrix, FitError> {
+    let basis = Basis::klems_full();
+    means_over(&basis, &basis, material)
+}
+
+/// Whether the back is like the front, as far as the data tell.
+fn is_symmetric(window: &Window) -> bool {
+    let is_like = |front: usize, back: usize| match (&window.quarters[front], &window.quarters[back]) {
+        (Some(a), Some(b)) => a.outgoing == b.outgoing && a.incident == b.incident && a.distance(b) <= LIKE,
+        (None, None) => true,
+        _ => false,
+    };
+    is_like(0, 2) && is_like(1, 3)
+}
+
+/// The means of a fit over the patches of data.
+fn patch_means(data: &PatchMatrix, material: &Material<&[u8]>) -> Result<PatchMatrix, FitError> {
+    means_over(&data.outgoing, &data.incident, material)
+}
+
+/// The means of a material over patches.
+fn means_over(
+    outgoing: &Basis,
+    incident: &Basis,
+    material: &Material<impl AsRef<[u8]>>,
+) -> Result<PatchMatrix, FitError> {
+    let lights: Vec<[f64; 3]> = (0..incident.len()).map(|c| incident.light(c)).collect();
+    let mut values = vec![0.0; outgoing.len() * incident.len()];
+    for r in 0..outgoing.len() {
+        let points = outgoing.points(r);
+        for wo in &points {
+            let found = values_towards(material, *wo, &lights)?;
+            for (c, (value, wi)) in found.iter().zip(&lights).enumerate() {
+                values[r * incident.len() + c] += value / wi[2] / points.len() as f64;
+            }
+        }
+    }
+    Ok(PatchMatrix { outgoing: outgoing.clone(), incident: incident.clone(), values })
+}
+
+/// Where the light of one side goes, of data and fit.
+fn lights(reflected: [&Option<PatchMatrix>; 2], transmitted: [&Option<PatchMatrix>; 2]) -> Vec<Light> {
+    let Some(basis) = reflected.iter().chain(&transmitted).find_map(|m| m.as_ref()).map(|m| &m.incident)
+    else {
+        return Vec::new();
+    };
+    let mean = |matrix: &Option<PatchMatrix>, ring: usize| {
+        let (first, count) = basis.ring(ring);
+        matrix
+            .as_ref()
+            .filter(|m| m.incident == *basis)
+            .map_or(0.0, |m| (first..first + count).map(|c| m.sum(c)).sum::<f64>() / count as f64)
+    };
+    let light = |(ring, of): (usize, &Ring)| Light {
+        theta: of.theta,
+        reflected: reflected.map(|m| mean(m, ring)),
+        transmitted: transmitted.map(|m| mean(m, ring)),
+    };
+    basis.rings().iter().enumerate().map(light).collect()
+}
+
+impl SheetFit {
+    /// The report as JSON, beside those of the quarters.
+    pub fn to_json(&self, window: &Window) -> Value {
+        let light = |l: &Light| {
+            json!({
+                "theta_deg": l.theta.to_degrees(),
+                "reflected": {"data": l.reflected[0], "fit": l.reflected[1]},
+                "transmitted": {"data": l.transmitted[0], "fit": l.transmitted[1]},
+            })
+        };
+        let side = |lights: &[Light]| lights.iter().map(light).collect::<Vec<_>>();
+        let patches = self
+            .quarters
+            .iter()
+            .zip(&self.patches)
+            .map(|((quarter, _), l2)| json!({"quarter": words(*quarter), "relative_l2_of_patches": l2}));
+        json!({
+            "name": srbf_core::printable(&window.name).to_string(),
+            "bytes": self.bytes.len(),
+            "back_is_like_front": self.is_symmetric,
+            "transmission_of_both_sides_differs_by": window.disagreement,
+            "values_were_scaled_by": window.scale,
+            "light_on_front": side(&self.sides[0]),
+            "light_on_back": side(&self.sides[1]),
+            "patches": patches.collect::<Vec<_>>(),
+        })
+    }
+}

@@ -1,0 +1,139 @@
+//! `srbf fit` of a sheet: a material for each quarter, all in one file.
+
+use super::names::{self, Job};
+use super::{Args, fit_page, words};
+use crate::out::output;
+use crate::out::print::shown;
+use crate::out::progress::Progress;
+use crate::truth::stored::QUARTERS as NAMES;
+use anyhow::{Context, bail};
+use srbf_core::{Material, Quarter};
+use srbf_fit::judge::report::Input;
+use srbf_fit::read::window::{Window, words as quarter_words};
+use srbf_fit::read::{Conventions, read_with};
+use srbf_fit::{FitError, SheetFit, fit_sheet};
+use std::path::{Path, PathBuf};
+
+/// Most bytes of a quarter, unless another number is asked for: four of them are no more than 24 kB.
+const BYTES: usize = 5900;
+
+/// The picture of a quarter, beside that of the whole.
+fn picture_of(picture: &Path, quarter: Quarter) -> PathBuf {
+    let stem = picture.file_stem().unwrap_or_default().to_string_lossy();
+    let ending = picture.extension().unwrap_or_default().to_string_lossy();
+    picture.with_file_name(format!("{stem}-{}.{ending}", NAMES[quarter as usize]))
+}
+
+/// Fits all quarters of a sheet, with a picture of each, and one report.
+pub fn fit(
+    args: &Args,
+    place: &Job,
+    picture: Option<&Path>,
+    window: &Window,
+    conventions: &Conventions,
+) -> anyhow::Result<()> {
+    if args.cross_validate || args.method != super::MethodName::Tracked {
+        bail!("{}: a sheet is fitted by our own method, without --cross-validate", shown(&place.file));
+    }
+    let light = picture.map(|_| args.picture.light()).transpose()?;
+    let mut settings = args.settings.settings();
+    if args.settings.bytes.is_none() {
+        settings.bytes = BYTES;
+    }
+    let first = read_with(&place.file, &Conventions { quarter: first(window), ..*conventions })?;
+    settings.provenance = format!("{}, SHA-256 {}\n", first.name, first.sha256);
+    let read =
+        |quarter| -> Result<_, FitError> { read_with(&place.file, &Conventions { quarter, ..*conventions }) };
+    let progress = Progress::of_shares(&first.name);
+    let fit = fit_sheet(window, &settings, read, |share| progress.set_share(share))
+        .with_context(|| shown(&place.file))?;
+    drop(progress);
+
+    let files = output::together();
+    output::write(&place.output, &fit.bytes)?;
+    let mut json = fit.to_json(window);
+    let mut pictures = Vec::new();
+    let mut quarters = serde_json::Map::new();
+    for (quarter, fit) in &fit.quarters {
+        let name = NAMES[*quarter as usize];
+        let material = Material::from_bytes(fit.bytes.as_slice())?;
+        let input = Input { name: format!("{}, {name}", first.name), sha256: first.sha256.clone() };
+        let own = fit.report.to_json(&material, &input, &settings)?;
+        args.words.say_quarter(quarter_words(*quarter), &fit.report, &material)?;
+        let words = args.words.words_of(&fit.report, &material)?;
+        quarters.insert(name.to_owned(), serde_json::from_str(&own)?);
+        if let Some((path, light)) = picture.zip(light.as_ref()) {
+            let path = picture_of(path, *quarter);
+            args.picture.write(&path, &path, light, (fit.bytes.clone(), read(*quarter)?), &words)?;
+            if let Some(page) = args.picture.page(&path) {
+                let title = place.output.file_stem().unwrap_or_default().to_string_lossy();
+                let name = format!("{title}, {name}");
+                let subject = fit_page::Subject {
+                    name: &name,
+                    words: &words,
+                    report: Some(&fit.report),
+                    picture: &path,
+                    next: None,
+                };
+                fit_page::write(&page, &subject)?;
+                pictures.push(page);
+            }
+            pictures.push(path);
+        }
+    }
+    json["quarters"] = quarters.into();
+    let json = format!("{json:#}\n");
+    output::write(&names::report(&place.output), json.as_bytes())?;
+    files.commit()?;
+    if args.words.is_json() {
+        print!("{json}");
+        return Ok(());
+    }
+    say(&place.output, window, &fit);
+    let report = names::report(&place.output);
+    let paths = [&place.output, &report].into_iter().chain(&pictures).map(shown);
+    println!("wrote {}", paths.collect::<Vec<_>>().join(", "));
+    println!("next  {}", words::inspect(&place.output));
+    Ok(())
+}
+
+/// The first quarter that there is.
+fn first(window: &Window) -> Quarter {
+    let is_there = |q: &Quarter| window.quarters[*q as usize].is_some();
+    Quarter::ALL.into_iter().find(is_there).unwrap_or(Quarter::FrontReflection)
+}
+
+/// Prints where the light goes.
+fn say(output: &Path, window: &Window, fit: &SheetFit) {
+    println!("{}: {} bytes, {} quarters", shown(output), fit.bytes.len(), fit.quarters.len());
+    if fit.is_symmetric {
+        println!("note  the back is like the front, and is stored once");
+    }
+    if let Some(apart) = window.disagreement.filter(|apart| *apart > 0.01) {
+        println!(
+            "note  transmission from the front and from the back differs by {:.0} %; of a sheet that is reciprocal both are one function, \
+             and their mean is fitted",
+            100.0 * apart
+        );
+    }
+    if window.scale < 1.0 {
+        println!(
+            "note  the file reflects and transmits up to {:.1} % of the light that falls on it; values are lowered to 100 %",
+            100.0 / window.scale
+        );
+    }
+    for ((quarter, _), apart) in fit.quarters.iter().zip(&fit.patches) {
+        println!("patch {}: values differ by {:.1} % (relative L2)", quarter_words(*quarter), 100.0 * apart);
+    }
+    for (name, lights) in ["front", "back"].into_iter().zip(&fit.sides) {
+        if fit.is_symmetric && name == "back" {
+            continue;
+        }
+        println!("light on the {name}, share reflected and transmitted, of the file and of the fit:");
+        println!("  degrees   reflected        transmitted");
+        for l in lights {
+            let [a, b] = [l.reflected, l.transmitted].map(|[data, fit]| format!("{data:.4}  {fit:.4}"));
+            println!("  {:>7.1}   {a}   {b}", l.theta.to_degrees());
+        }
+    }
+}
