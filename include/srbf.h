@@ -102,6 +102,12 @@
 /// Rows at which the error of an expanded material is below 1e-3 of the largest value on every material that was tried.
 #define SRBF_EXPANDED_DEFAULT_ROWS 1024
 
+/// Bytes of storage for a sheet that `srbf_sheet_borrow` makes.
+#define SRBF_SHEET_SIZE 768
+
+/// Alignment of that storage.
+#define SRBF_SHEET_ALIGNMENT 16
+
 /// Alignment of the storage for an environment: that of a cache line.
 #define SRBF_ENVIRONMENT_ALIGNMENT 64
 
@@ -150,6 +156,12 @@ typedef struct srbf_material srbf_material;
 /// evaluated or sampled: the material must live, and its bytes stay as they are, for as long as the mixture or a copy of it is used. A
 /// mixture of any other material, or of the caller's lobes, stands by itself.
 typedef struct srbf_mixture srbf_mixture;
+
+/// A sheet: reflection and transmission, seen from the front and from the back, read in place from `.srbf` bytes.
+///
+/// Directions are unit vectors in the frame of the sheet, whose front is +z; `wo` and `wi` may lie in front or behind. It never changes, so any
+/// number of threads may use one at once.
+typedef struct srbf_sheet srbf_sheet;
 
 /// The result of a call: 0 if it succeeded, otherwise the reason. The numbers never change their meaning.
 typedef int32_t srbf_status;
@@ -361,6 +373,30 @@ typedef struct srbf_request {
     /// Directions that are drawn, with densities and weights if they are wanted too.
     struct srbf_samples_out samples;
 } srbf_request;
+
+/// Properties of a sheet.
+///
+/// Its quarters are reflection and transmission seen from the front, then those seen from the back. Each is a material, which
+/// `srbf_material_borrow` makes of its bytes; directions of the material lie above the horizon: of one behind the sheet the height changes
+/// its sign.
+typedef struct srbf_sheet_info {
+    /// The `.srbf` bytes of each quarter, which live as long as the sheet; NULL of one that is black.
+    const uint8_t *quarters[4];
+    /// Number of bytes of each.
+    size_t quarter_byte_counts[4];
+    /// 1 if the back is like the front, whose quarters it has then; else 0.
+    uint32_t is_symmetric;
+    /// Most lobes of a quarter.
+    size_t lobes;
+    /// The `.srbf` bytes of the sheet.
+    const uint8_t *bytes;
+    /// Number of bytes.
+    size_t byte_count;
+    /// Where the sheet comes from: UTF-8 without a zero at the end.
+    const char *provenance;
+    /// Length of the provenance in bytes.
+    size_t provenance_length;
+} srbf_sheet_info;
 
 /// What an environment holds.
 typedef struct srbf_environment_info {
@@ -957,6 +993,72 @@ srbf_status srbf_material_ask(const struct srbf_material *material,
 srbf_status srbf_expanded_ask(const struct srbf_expanded *expanded,
                               size_t n,
                               const struct srbf_request *request);
+
+/// Makes a sheet of `.srbf` bytes where they are, of any alignment: nothing is copied, nothing allocated.
+///
+/// The bytes must stay as they are for as long as the sheet is used. It needs no release.
+/// Shapes: `bytes` [byte_count]; `storage` [storage_size], at least `SRBF_SHEET_SIZE`, aligned to `SRBF_SHEET_ALIGNMENT`; `sheet` one pointer,
+/// which is set to the storage. None of the three may overlap another.
+/// Status: `SRBF_STATUS_MAGIC` to `SRBF_STATUS_FIELD` if the bytes are not a sheet.
+srbf_status srbf_sheet_borrow(const uint8_t *bytes,
+                              size_t byte_count,
+                              void *storage,
+                              size_t storage_size,
+                              struct srbf_sheet **sheet);
+
+#if defined(SRBF_HOSTED)
+/// Reads a sheet from a `.srbf` file. Release it with `srbf_sheet_free`.
+///
+/// `path` is UTF-8 with a zero at the end, of a regular file. Status: `SRBF_STATUS_FILE` if it cannot be read, with the reason in
+/// `srbf_last_message`; `SRBF_STATUS_MAGIC` to `SRBF_STATUS_FIELD` if it holds no sheet. Every message names the file.
+srbf_status srbf_sheet_load(const char *path,
+                            struct srbf_sheet **sheet);
+#endif
+
+#if defined(SRBF_HOSTED)
+/// Releases a sheet; NULL is allowed and does nothing.
+///
+/// A sheet that `srbf_sheet_borrow` made is only marked as none. Nobody may use the sheet during or after the call.
+/// Status: `SRBF_STATUS_OBJECT` if it is not a sheet.
+srbf_status srbf_sheet_free(struct srbf_sheet *sheet);
+#endif
+
+/// Gives the properties of a sheet.
+srbf_status srbf_sheet_query(const struct srbf_sheet *sheet, struct srbf_sheet_info *info);
+
+/// Integrates `f |cos|` over all incident directions: how much of the light that goes back along `wo` is reflected, and how much is
+/// transmitted.
+///
+/// Shapes: `wo` [3], unit vector towards the viewer; `reflected` and `transmitted` [3], linear sRGB, overwritten.
+srbf_status srbf_sheet_albedos(const struct srbf_sheet *sheet,
+                               const float *wo,
+                               float *reflected,
+                               float *transmitted);
+
+/// Evaluates `f |cos|` and the density of `srbf_sheet_sample` in one pass; 1/sr.
+///
+/// Shapes: `wo` and `wi` [3], unit vectors in the frame of the sheet; `value` [3], linear sRGB, and `pdf`, one number; both overwritten.
+srbf_status srbf_sheet_evaluate_and_pdf(const struct srbf_sheet *sheet,
+                                        const float *wo,
+                                        const float *wi,
+                                        float *value,
+                                        float *pdf);
+
+/// Draws an incident direction, on either side of the sheet.
+///
+/// Where nothing is reflected or transmitted it gives the normal with density 0 and weight 0, and `SRBF_STATUS_OK`.
+/// Shapes: `wo` [3], unit vector; `u` [3], uniform numbers in [0, 1): the first chooses the side and the lobe, the others the direction in it.
+srbf_status srbf_sheet_sample(const struct srbf_sheet *sheet,
+                              const float *wo,
+                              const float *u,
+                              struct srbf_sample *sample);
+
+/// Draws and evaluates for n hits of a sheet, each with an outgoing direction of its own: outputs that are given are wanted.
+///
+/// The answers of `srbf_sheet_sample` and `srbf_sheet_evaluate_and_pdf` within rounding, in less time.
+srbf_status srbf_sheet_ask(const struct srbf_sheet *sheet,
+                           size_t n,
+                           const struct srbf_request *request);
 
 /// Says how many bytes of storage the environment of a map needs: 64 a pixel, those of one row more, and a little.
 ///

@@ -297,6 +297,48 @@ struct Primaries {
 };
 
 #if defined(SRBF_HOSTED)
+/// A sheet, which reflects light and lets some through, and which it owns. Move-only; an empty one answers every call with
+/// SRBF_STATUS_NULL.
+class Sheet {
+public:
+    Sheet() = default;
+    ~Sheet() { (void)srbf_sheet_free(sheet_); }
+    Sheet(Sheet &&other) noexcept : sheet_(std::exchange(other.sheet_, nullptr)) {}
+    Sheet &operator=(Sheet &&other) noexcept {
+        std::swap(sheet_, other.sheet_);
+        return *this;
+    }
+
+    /// Reads a `.srbf` file; releases the sheet that it held before. On failure it keeps that sheet.
+    Status load(const char *path) {
+        Sheet made;
+        const Status status = srbf_sheet_load(path, &made.sheet_);
+        if (!status) *this = std::move(made);
+        return status;
+    }
+
+    const srbf_sheet *get() const { return sheet_; }
+    explicit operator bool() const { return sheet_ != nullptr; }
+
+    Status query(srbf_sheet_info &info) const { return srbf_sheet_query(sheet_, &info); }
+    Status albedos(const Vec3 &wo, Vec3 &reflected, Vec3 &transmitted) const {
+        return srbf_sheet_albedos(sheet_, wo.data(), reflected.data(), transmitted.data());
+    }
+    Status evaluate_and_pdf(const Vec3 &wo, const Vec3 &wi, Vec3 &value, float &pdf) const {
+        return srbf_sheet_evaluate_and_pdf(sheet_, wo.data(), wi.data(), value.data(), &pdf);
+    }
+    Status sample(const Vec3 &wo, const Vec3 &u, srbf_sample &sample) const {
+        return srbf_sheet_sample(sheet_, wo.data(), u.data(), &sample);
+    }
+    /// n hits, each with an outgoing direction of its own.
+    Status ask(const Request &request) const {
+        return request.status() ? request.status() : Status(srbf_sheet_ask(sheet_, request.size(), request.get()));
+    }
+
+private:
+    srbf_sheet *sheet_ = nullptr;
+};
+
 /// A material, which it owns. Move-only; an empty one answers every call with SRBF_STATUS_NULL.
 class Material {
 public:

@@ -6,14 +6,18 @@ use crate::fit::fit_source;
 use crate::judge::fitted_material::values_towards;
 use crate::judge::report::Fit;
 use crate::patches::{Basis, PatchMatrix, Ring};
-use crate::read::Source;
 use crate::read::window::{Window, words};
+use crate::read::{Content, Source};
+use crate::table::Symmetry;
 use crate::{FitError, Settings};
 use serde_json::{Value, json};
 use srbf_core::{Material, Quarter, Sheet};
 
 /// Relative L2 distance of two quarters up to which the back is like the front.
 const LIKE: f64 = 0.01;
+
+/// Most bytes of an isotropic quarter, unless the settings have another number than their default: four are no more than 24 kB.
+const BYTES: usize = 5900;
 
 /// A sheet, and how well its quarters fit.
 #[derive(Debug)]
@@ -60,7 +64,12 @@ pub fn fit_sheet(
     let mut quarters = Vec::new();
     for (n, quarter) in wanted.iter().enumerate() {
         let done = |share: f64| progress((n as f64 + share) / wanted.len() as f64);
-        quarters.push((*quarter, fit_source(&source(*quarter)?, settings, done)?));
+        let source = source(*quarter)?;
+        let is_round =
+            matches!(&source.content, Content::Evaluable(brdf) if brdf.symmetry() == Symmetry::Isotropic);
+        let is_default = settings.bytes == Settings::default().bytes;
+        let bytes = if is_round && is_default { BYTES } else { settings.bytes };
+        quarters.push((*quarter, fit_source(&source, &Settings { bytes, ..settings.clone() }, done)?));
     }
     let mut materials: [Option<Material<&[u8]>>; 4] = [const { None }; 4];
     for (quarter, fit) in &quarters {

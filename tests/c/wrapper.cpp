@@ -1,6 +1,6 @@
 /* The C++ wrapper: moves, spans, statuses; and structures that C and C++ lay out alike.
  *
- *     wrapper MATERIAL.srbf
+ *     wrapper MATERIAL.srbf SHEET.srbf
  */
 #include <cmath>
 #include <cstdio>
@@ -257,11 +257,33 @@ static void pairs(const char *path) {
     CHECK(srbf::Material().ask(Request().wo(wo).wi(wi).pdf(pdf)).code() == SRBF_STATUS_NULL);
 }
 
+static void sheets(const char *material, const char *path) {
+    srbf::Sheet sheet;
+    srbf::Vec3 value{}, other{};
+    float pdf = 0;
+    srbf_sample sample;
+    const srbf::Vec3 wo{0.6f, 0, -0.8f}, u{0.9f, 0.3f, 0.6f};
+    CHECK(sheet.sample(wo, u, sample).code() == SRBF_STATUS_NULL);
+    CHECK(sheet.load(material).code() == SRBF_STATUS_FIELD && !sheet);
+    CHECK(!sheet.load(path) && sheet);
+    srbf::Sheet moved(std::move(sheet));
+    srbf_sheet_info info;
+    CHECK(!moved.query(info) && info.lobes > 0);
+    CHECK(!moved.sample(wo, u, sample) && sample.pdf > 0);
+    CHECK(!moved.evaluate_and_pdf(wo, {sample.direction[0], sample.direction[1], sample.direction[2]}, value, pdf) && pdf > 0);
+    CHECK(!moved.albedos(wo, value, other) && other[1] > 0);
+    std::array<srbf::Vec3, 4> views{wo, wo, wo, wo}, numbers{u, u, u, u};
+    std::array<srbf_sample, 4> samples{};
+    CHECK(!moved.ask(srbf::Request().wo(views).u(numbers).samples(samples)));
+    CHECK(std::fabs(samples[3].pdf / sample.pdf - 1) < 1e-3f);
+}
+
 int main(int count, char **arguments) {
-    CHECK(count == 2);
+    CHECK(count == 3);
     use(arguments[1]);
     pairs(arguments[1]);
     light();
+    sheets(arguments[1], arguments[2]);
     std::printf("wrapper: passed\n");
     return 0;
 }

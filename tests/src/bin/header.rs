@@ -27,6 +27,7 @@ const SOURCES: &[&str] = &[
     "expanded",
     "request",
     "ask",
+    "sheet",
     "environment",
     "reflect",
     "fit",

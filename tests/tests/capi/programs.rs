@@ -1,7 +1,7 @@
 //! C programs against the C library, as its users compile them.
 
 use crate::material;
-use srbf_tests::native::{Language, Link, compilers, library, library_with_planted_panic, run_program};
+use srbf_tests::native::{Language, Link, compilers, library, library_with_planted_panic, root, run_program};
 use std::path::Path;
 
 /// Compiles a program with every compiler, linked both ways, and runs it on the test material.
@@ -62,6 +62,18 @@ fn expanded_material() {
 }
 
 #[test]
+fn sheets_are_asked_on_both_sides() {
+    let sheet = root().join("presets/ground_glass.srbf");
+    for compiler in compilers(Language::C) {
+        for link in [Link::Static, Link::Shared] {
+            let program = compiler.program("sheet.c", library(), link, &[]);
+            let output = run_program(&program, &[sheet.as_os_str(), material::file().as_os_str()]);
+            assert!(output.contains("sheet: passed"), "{compiler:?} {link:?}: {output}");
+        }
+    }
+}
+
+#[test]
 fn every_verb_in_every_shape() {
     run_everywhere("verbs.c", "verbs: passed");
 }
@@ -106,7 +118,9 @@ fn the_cpp_wrapper_works() {
             for link in [Link::Static, Link::Shared] {
                 let options = [standard, "-Wconversion", "-Wshadow"];
                 let program = compiler.program("wrapper.cpp", library(), link, &options);
-                assert!(run_program(&program, &[material::file().as_os_str()]).contains("wrapper: passed"));
+                let (material, sheet) = (material::file(), root().join("presets/ground_glass.srbf"));
+                let output = run_program(&program, &[material.as_os_str(), sheet.as_os_str()]);
+                assert!(output.contains("wrapper: passed"), "{output}");
             }
         }
     }

@@ -14,9 +14,6 @@ use srbf_fit::read::{Conventions, read_with};
 use srbf_fit::{FitError, SheetFit, fit_sheet};
 use std::path::{Path, PathBuf};
 
-/// Most bytes of a quarter, unless another number is asked for: four of them are no more than 24 kB.
-const BYTES: usize = 5900;
-
 /// The picture of a quarter, beside that of the whole.
 fn picture_of(picture: &Path, quarter: Quarter) -> PathBuf {
     let stem = picture.file_stem().unwrap_or_default().to_string_lossy();
@@ -37,9 +34,6 @@ pub fn fit(
     }
     let light = picture.map(|_| args.picture.light()).transpose()?;
     let mut settings = args.settings.settings();
-    if args.settings.bytes.is_none() {
-        settings.bytes = BYTES;
-    }
     let first = read_with(&place.file, &Conventions { quarter: first(window), ..*conventions })?;
     settings.provenance = format!("{}, SHA-256 {}\n", first.name, first.sha256);
     let read =
