@@ -3,7 +3,7 @@
 //! A grid holds a BRDF at its nodes; its reader interpolates between them. The tests of each format state how far a smooth
 //! model is off after a round trip.
 //!
-//! May import: `error`, `patches`, `read`, `table`.
+//! May import: `error`, `patches`, `read`, `row`, `table`.
 
 mod bsdf;
 mod lobes;
@@ -12,13 +12,14 @@ mod samples;
 mod window;
 
 use crate::FitError;
+use crate::row::Row;
 use crate::table::{Brdf, Density, Symmetry, Table, direction, evaluation_views};
 use std::f64::consts::{PI, TAU};
 
 pub use bsdf::rgl;
 pub use lobes::Lobes;
 pub use merl::{MERL_MARK, merl};
-pub use samples::{astm, csv, csv_of_spectra};
+pub use samples::{astm, csv, csv_of_rows, csv_of_spectra};
 pub use window::window;
 
 /// Outgoing directions of samples that are made of a BRDF, and incident ones of each.
@@ -52,11 +53,11 @@ pub fn csv_of_turned(brdf: &dyn Brdf) -> (String, usize) {
             let incident = evaluation_views::spread(TURNED_DIRECTIONS)
                 .chain(evaluation_views::about(mirror, TURNED_DIRECTIONS / 2));
             for wi in incident.filter(|wi| wi[2] > 0.05 && brdf.measured(*wi, wo) >= 0.5) {
-                rows.push((wi, wo, finite(brdf.evaluate(wi, wo))));
+                rows.push(Row { line: rows.len() + 1, wi, wo, rgb: finite(brdf.evaluate(wi, wo)) });
             }
         }
     }
-    (samples::csv_of_pairs(&rows), rows.len())
+    (csv_of_rows(&rows), rows.len())
 }
 
 /// [`sampled`] without samples most of whose value was not measured, and the share of those.

@@ -5,6 +5,9 @@
 //! incidence are no turn. Samples are left out one by one. The ratio of likelihoods tells a turn that matters from noise and from
 //! steep highlights, which both explain alike.
 //!
+//! A sample that lies on its table tilted changes with the turn too. Its directions are those of an isotropic surface once the tilt is
+//! taken back. So where a turn seems to matter, the tilt is looked for that explains samples best, and the turn is held against it.
+//!
 //! May import: `complete`, `numeric`, `row`.
 
 use crate::complete::pair::{COORDINATES, ISOTROPIC, Pair};
@@ -34,6 +37,10 @@ const SHARES: [f64; 2] = [0.1, 1.0];
 
 /// Times that the term over the turn goes round: brushed metals have two, a square lattice or a cloth of equal threads has four.
 const ROUNDS: [f64; 2] = [2.0, 4.0];
+
+/// Largest tilt that is looked for, the first step of the search and the last one, radians.
+const MOST_TILT: f64 = 6.0 * PI / 180.0;
+const TILTS: [f64; 2] = [2.0 * PI / 180.0, 0.2 * PI / 180.0];
 
 /// Values below this share of the median size count as even about 0.
 const FLOOR: f64 = 0.04;
@@ -98,7 +105,12 @@ impl Isotropy {
         let (turned, _) = best(&turned, &few, &values)?;
         let groups = over_turns(rows);
         let (apart, steps) = (apart(&groups), from_turn_to_turn(&groups));
-        Some(Self { gain: (turned - plain) / few.len() as f64, apart, steps, explained: false })
+        let mut found = Self { gain: (turned - plain) / few.len() as f64, apart, steps, explained: false };
+        if found.is_doubtful() {
+            let tilted = tilted(&few, &values, of).unwrap_or(plain);
+            found.gain = (turned - tilted.max(plain)) / few.len() as f64;
+        }
+        Some(found)
     }
 
     /// Whether the surface is anisotropic beyond doubt.
@@ -143,6 +155,59 @@ fn values(rows: &[&Row]) -> Option<Vec<f64>> {
     let scaled: Vec<f64> = rows.iter().map(|row| libm::asinh(level(row) / (FLOOR * size))).collect();
     let mean = scaled.iter().sum::<f64>() / scaled.len() as f64;
     Some(scaled.into_iter().map(|v| v - mean).collect())
+}
+
+/// The logarithm of the likelihood of the tilt that explains samples best, as the candidate has it.
+fn tilted(rows: &[&Row], values: &[f64], of: Candidate) -> Option<f64> {
+    let mut candidates = Vec::new();
+    for noise in NOISES {
+        candidates.push(Candidate { noise, ..of });
+    }
+    let candidates = candidates.as_slice();
+    let at = |tilt: [f64; 2]| {
+        let turned: Vec<Row> = rows.iter().map(|row| level(row, tilt)).collect();
+        best(candidates, &turned.iter().collect::<Vec<_>>(), values).map(|found| found.0)
+    };
+    let (mut most, mut tilt) = (at([0.0; 2])?, [0.0; 2]);
+    let mut step = TILTS[0];
+    while step >= TILTS[1] {
+        let from = tilt;
+        let mut is_better = false;
+        for (x, y) in [(1.0, 0.0), (-1.0, 0.0), (0.0, 1.0), (0.0, -1.0)] {
+            let there = [from[0] + step * x, from[1] + step * y];
+            if libm::hypot(there[0], there[1]) > MOST_TILT {
+                continue;
+            }
+            if let Some(likelihood) = at(there).filter(|likelihood| *likelihood > most) {
+                (most, tilt, is_better) = (likelihood, there, true);
+            }
+        }
+        if !is_better {
+            step *= 0.5;
+        }
+    }
+    Some(most)
+}
+
+/// A sample with its directions as a surface sees them that leans by two small angles, towards x and towards y.
+fn level(row: &Row, [x, y]: [f64; 2]) -> Row {
+    let angle = libm::hypot(x, y);
+    if angle == 0.0 {
+        return *row;
+    }
+    let (axis, (sin, cos)) = ([-y / angle, x / angle], libm::sincos(angle));
+    // By Rodrigues, about a horizontal axis; the horizon is not passed.
+    let turned = |[a, b, c]: [f64; 3]| {
+        let along = (axis[0] * a + axis[1] * b) * (1.0 - cos);
+        let d = [
+            a * cos + axis[1] * c * sin + axis[0] * along,
+            b * cos - axis[0] * c * sin + axis[1] * along,
+            (c * cos + (axis[0] * b - axis[1] * a) * sin).max(1e-3),
+        ];
+        let length = libm::sqrt(d.iter().map(|v| v * v).sum());
+        d.map(|v| v / length)
+    };
+    Row { wi: turned(row.wi), wo: turned(row.wo), ..*row }
 }
 
 /// The candidate that explains samples best, and the logarithm of its likelihood.
@@ -308,6 +373,24 @@ mod tests {
         assert!(steps(&rows(&mut |turn| libm::exp(libm::cos(4.0 * turn)))) < 0.5);
         assert!(steps(&rows(&mut |_| libm::exp(random.uniform()))) > 0.8);
         assert!(steps(&rows(&mut |turn| libm::exp(libm::cos(turn)))) > 0.8);
+    }
+
+    #[test]
+    fn a_tilt_is_no_turn_that_matters() {
+        let isotropic = ward([0.2, 0.2]);
+        let tilted = |wi, wo| {
+            let row = level(&Row { line: 1, wi, wo, rgb: [0.0; 3] }, [0.03, -0.02]);
+            isotropic(row.wi, row.wo)
+        };
+        let found = Isotropy::of(&rows(0.0, tilted)).unwrap();
+        println!("{found:?}");
+        assert!(!found.is_anisotropic() && !found.is_doubtful(), "{found:?}");
+        // A brushed surface is not explained by a tilt, and taking one back is its inverse.
+        let brushed = Isotropy::of(&rows(0.0, ward([0.1, 0.4]))).unwrap();
+        assert!(brushed.is_anisotropic(), "{brushed:?}");
+        let row = Row { line: 1, wi: direction(0.7, 1.0), wo: direction(0.2, 4.0), rgb: [1.0; 3] };
+        let back = level(&level(&row, [0.03, -0.02]), [-0.03, 0.02]);
+        assert!((0..3).all(|k| (back.wi[k] - row.wi[k]).abs() < 1e-12), "{row:?} {back:?}");
     }
 
     #[test]

@@ -218,6 +218,41 @@ fn tables_are_converted_and_read_again() {
     refused(&place, &["convert", "absent.csv", "a.bsdf"], &["absent.csv"]);
 }
 
+/// Samples of a turned sample stay as they are, by whatever columns they were read; a model is sampled at every turn.
+#[test]
+fn turned_samples_are_converted_as_they_were_read() {
+    let place = folder("convert-turned");
+    let model = "model:ward:diffuse=0.1,specular=0.3,alpha_x=0.1,alpha_y=0.4";
+    assert!(printed(&place, &["convert", model, "a.csv"]).contains("chosen here"));
+    let rows = |name: &str| -> Vec<[f64; 7]> {
+        let text = std::fs::read_to_string(place.join(name)).unwrap();
+        let row = |line: &str| {
+            let numbers: Vec<f64> = line.split(',').map(|cell| cell.parse().unwrap()).collect();
+            std::array::from_fn(|k| numbers[k])
+        };
+        text.lines().skip_while(|line| !line.starts_with("wi_x")).skip(1).map(row).collect()
+    };
+    let first: Vec<[f64; 7]> = rows("a.csv").into_iter().step_by(19).collect();
+    // Some of the samples by angles, azimuths counted from the plane of the light, and a turn of the sample.
+    let mut text = "theta_i,theta_o,dphi,rotation,value\n".to_owned();
+    for [x, y, z, a, b, c, f] in &first {
+        let [light, viewer] = [y.atan2(*x), b.atan2(*a)].map(f64::to_degrees);
+        let [i, o] = [x.hypot(*y).atan2(*z), a.hypot(*b).atan2(*c)].map(f64::to_degrees);
+        text += &format!("{i},{o},{},{},{f:e}\n", viewer - light, -light);
+    }
+    std::fs::write(place.join("b.csv"), text).unwrap();
+    let said = printed(&place, &["convert", "b.csv", "c.csv"]);
+    assert!(said.contains("as they were read"), "{said}");
+    let again = rows("c.csv");
+    assert_eq!(first.len(), again.len());
+    for (a, b) in first.iter().zip(&again) {
+        assert!(
+            (0..6).all(|k| (a[k] - b[k]).abs() < 1e-9) && (a[6] / b[6] - 1.0).abs() < 1e-9,
+            "{a:?} {b:?}"
+        );
+    }
+}
+
 /// Width and height in the head of a PNG.
 fn png_size(path: &Path) -> [u32; 2] {
     let bytes = std::fs::read(path).unwrap();
@@ -242,6 +277,17 @@ fn balls_are_drawn_alone_and_side_by_side() {
     let [width, height] = png_size(&place.join("other.png"));
     printed(&place, &["ball", "cayman", "--spp", "2", "--env", "haze", "-o", "one.png"]);
     assert_eq!(png_size(&place.join("one.png")), [width / 3, height]);
+    // A turn is of the sample of an anisotropic surface alone.
+    let bytes = |name: &str, material: &str, turn: &str| {
+        printed(&place, &["ball", material, "--spp", "2", "--env", "haze", "--turn", turn, "-o", name]);
+        std::fs::read(place.join(name)).unwrap()
+    };
+    let brushed = "model:ward:alpha_x=0.1,alpha_y=0.4";
+    assert_ne!(bytes("brushed.png", brushed, "0"), bytes("turned.png", brushed, "90"));
+    assert_eq!(bytes("isotropic.png", "cayman", "0"), bytes("same_turned.png", "cayman", "90"));
+    for turn in ["NaN", "1e6", "x"] {
+        refused(&place, &["ball", brushed, "--turn", turn, "-o", "no.png"], &["--turn"]);
+    }
     // The same bytes on any number of threads.
     printed(&place, &["ball", "cayman", "--spp", "2", "--env", "haze", "--threads", "1", "-o", "two.png"]);
     assert_eq!(std::fs::read(place.join("one.png")).unwrap(), std::fs::read(place.join("two.png")).unwrap());

@@ -1,6 +1,6 @@
 """What `srbf convert` writes, as other programs read it.
 
-    python exports.py bsdf FILE.bsdf SAMPLES.csv READ.csv LOSS
+    python exports.py bsdf FILE.bsdf SAMPLES.csv READ.csv LOSS [AZIMUTH...]
     python exports.py merl FILE.binary SAMPLES.csv
     python exports.py spectral-samples OUT.csv
     python exports.py spectra FILE.bsdf
@@ -8,7 +8,8 @@
 SAMPLES are those of `srbf convert` of the same input: the values themselves. READ are those of FILE.bsdf, as srbf reads it. `bsdf` opens the
 file by Mitsuba's `measured`: its values, the variance of the weights of its draws, and its own chi-square test. `merl` looks cells up by the index that Matusik's published
 reader computes (2003), written out here anew: half angle by the square root, difference angle and azimuth in degrees. `spectral-samples` writes
-samples of a dull surface with a spectrum, and `spectra` looks that spectrum up in FILE.bsdf, by a spectral variant of Mitsuba."""
+samples of a dull surface with a spectrum, and `spectra` looks that spectrum up in FILE.bsdf, by a spectral variant of Mitsuba. AZIMUTHs of the
+viewer are for an anisotropic surface, in degrees."""
 
 import csv
 import sys
@@ -39,7 +40,7 @@ def compare(kind, found, wi, f, most):
     assert error < most, "too far off"
 
 
-def bsdf(path, table, again, loss):
+def bsdf(path, table, again, loss, *azimuths):
     import mitsuba as mi
 
     mi.set_variant("llvm_ad_rgb")
@@ -50,6 +51,9 @@ def bsdf(path, table, again, loss):
     beside = "bsdf beside srbf"
     for kind, name, most in ("bsdf", table, float(loss)), (beside, again, VALUES[beside]):
         wi, wo, f = samples(name)
+        # A viewer at azimuth 0 is where the file's half turn ends: which end Mitsuba takes is decided by rounding.
+        inside = (np.abs(wo[:, 1]) > 1e-6) | (len(azimuths) == 0)
+        wi, wo, f = wi[inside], wo[inside], f[inside]
         si = dr.zeros(mi.SurfaceInteraction3f, len(wi))
         # Mitsuba's wi is the viewer.
         si.wi = mi.Vector3f(wo.T.astype("f4"))
@@ -57,10 +61,12 @@ def bsdf(path, table, again, loss):
         compare(kind, found if found.shape == f.shape else found.T, wi, f, most)
 
     n = 200000
-    for degrees, most in VARIANCES.items():
-        theta = np.radians(degrees)
+    turns = [float(azimuth) for azimuth in azimuths] or [0.0]
+    for degrees, most, turn in ((*of, turn) for of in VARIANCES.items() for turn in turns):
+        theta, phi = np.radians(degrees), np.radians(turn)
+        towards = [float(np.sin(theta) * np.cos(phi)), float(np.sin(theta) * np.sin(phi)), float(np.cos(theta))]
         si = dr.zeros(mi.SurfaceInteraction3f, n)
-        si.wi = mi.Vector3f(float(np.sin(theta)), 0.0, float(np.cos(theta)))
+        si.wi = mi.Vector3f(*towards)
         random = np.random.default_rng(1)
         u, v = mi.Float(random.random(n).astype("f4")), mi.Point2f(random.random((2, n)).astype("f4"))
         drawn, weight = material.sample(context, si, u, v)
@@ -70,17 +76,17 @@ def bsdf(path, table, again, loss):
         said, own = np.array(material.pdf(context, si, drawn.wo)), np.array(drawn.pdf)
         above = (own > 0) & (np.array(drawn.wo)[2] > 0)
         apart = np.abs(said[above] / own[above] - 1).max()
-        print(f"bsdf: {degrees} degrees: relative variance {variance:.4f}, densities apart {apart:.1e}")
+        print(f"bsdf: {degrees} degrees, azimuth {turn}: relative variance {variance:.4f}, densities apart {apart:.1e}")
         assert variance < most, "draws badly"
 
-    for degrees in (10, 50):
-        theta = np.radians(degrees)
-        direction = [float(np.sin(theta)), 0.0, float(np.cos(theta))]
+    for degrees, turn in ((degrees, turn) for degrees in (10, 50) for turn in turns):
+        theta, phi = np.radians(degrees), np.radians(turn)
+        direction = [float(np.sin(theta) * np.cos(phi)), float(np.sin(theta) * np.sin(phi)), float(np.cos(theta))]
         plugin = f'<bsdf type="measured"><string name="filename" value="{path}"/></bsdf>'
         sample, pdf = mi.chi2.BSDFAdapter("measured", f'<string name="filename" value="{path}"/>', wi=direction)
         test = mi.chi2.ChiSquareTest(mi.chi2.SphericalDomain(), sample, pdf, sample_dim=3, ires=16, res=201)
         passed = test.run()
-        print(f"bsdf: chi-square at {degrees} degrees: {'passes' if passed else test.messages}")
+        print(f"bsdf: chi-square at {degrees} degrees, azimuth {turn}: {'passes' if passed else test.messages}")
         assert passed, plugin
 
 

@@ -447,6 +447,40 @@ fn samples_follow_the_density_and_their_weights_the_albedo() {
     }
 }
 
+/// The same of a fit, at six angles by four turns of the sample.
+#[test]
+fn a_fit_is_drawn_by_its_density_at_every_angle_and_turn() {
+    let content = srbf_fit::read::read("model:ggx:alpha_x=0.15,alpha_y=0.4,f0=0.9".as_ref()).unwrap().content;
+    let view_angles = Some(vec![0.0, 0.5, 1.0, 1.4]);
+    let settings = srbf_fit::Settings { lobes: 6, starts: 1, steps: 10, view_angles, ..Default::default() };
+    let fit = srbf_fit::fit_content(&content, &settings, |_| {}).unwrap();
+    let material = Material::from_bytes(fit.bytes).unwrap();
+    let views: Vec<(f32, f32)> =
+        (0..24).map(|n| (0.12 + 0.23 * (n % 6) as f32, 0.3 + 1.57 * (n / 6) as f32)).collect();
+    let (level, draws, mut random) = (sidak(0.01, views.len()), 100_000, Random(62));
+    for (theta, phi) in views {
+        let m = prepare(&material, direction(theta, phi));
+        let partition = Partition::new(&m, |d| m.pdf(d));
+        assert!((partition.total() - 1.0).abs() < 5e-5, "{theta} {phi}: {}", partition.total());
+        let (mut sum, mut square, mut largest) = (0.0, 0.0, 0f64);
+        let result = partition.test(draws, || {
+            let sample = m.sample(random.three()).expect("the mixture is not black");
+            let weight = f64::from(sample.weight.x);
+            (sum, square, largest) = (sum + weight, square + weight * weight, largest.max(weight));
+            sample.direction
+        });
+        assert!(result.p > level, "{theta} {phi}: p = {:e}, level {level:e}", result.p);
+        assert!(largest < 20.0, "{theta} {phi}: a weight of {largest}");
+        let (n, albedo) = (draws as f64, f64::from(m.albedo().x));
+        let mean: f64 = sum / n;
+        let error = (square / n - mean * mean).max(0.0).sqrt() / n.sqrt();
+        assert!(
+            (mean - albedo).abs() < 4.5 * error + 1e-5 * mean,
+            "{theta} {phi}: {mean} {albedo} +- {error}"
+        );
+    }
+}
+
 #[test]
 fn mixtures_are_continuous_in_the_outgoing_direction() {
     let mut worst = 0f32;

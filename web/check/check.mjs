@@ -87,6 +87,28 @@ async function balls(page) {
     await page.call(`document.querySelector("#illuminants [value=D65]").click(), srbf.tracer.set({ light: 2 })`);
 }
 
+/** The sample of an anisotropic material turns, in the picture and in the plot. */
+async function turns(page) {
+    const fit = join(taken, "brushed.srbf");
+    command("fit", "model:ggx:alpha_x=0.1,alpha_y=0.4,f0=0.9", "--lobes", "4", "--steps", "5", "--no-picture", "-o", fit);
+    const isHidden = `document.getElementById("turn-part").hidden`;
+    expectThat(await page.call(isHidden), "an isotropic material has no turn");
+    await page.give("#file", [fit]);
+    await page.until(`document.getElementById("name").textContent === "Brushed"`);
+    expectThat(!await page.call(isHidden), "an anisotropic material has a turn");
+    const seen = async (degrees) => {
+        await page.call(`(() => { const slider = document.getElementById("turn"); slider.value = ${degrees}; slider.dispatchEvent(new Event("input")); })()`);
+        const rows = await page.call(`Array.from(srbf.tracer.rendered(${SIDE}, ${SIDE}, ${PICTURES}))`);
+        return [blocks(turnedOver(rows, 4), 4), await page.call(`document.querySelector("#curves .all").getAttribute("d")`)];
+    };
+    const [[asIs, curve], [half], [quarter, other]] = [await seen(0), await seen(180), await seen(90)];
+    const [same, apartBy] = [apart(half, asIs), apart(quarter, asIs)];
+    console.log(`turned by 180 degrees: ${(100 * same).toFixed(2)} % apart, by 90: ${(100 * apartBy).toFixed(1)} %`);
+    expectThat(apartBy > 0.1 && same < 0.1 * apartBy, "half a turn changes nothing, and a quarter does");
+    expectThat(curve !== other, "the curves follow the turn");
+    await page.call(`document.querySelector("[data-name=garnet_red]").click()`);
+}
+
 /** Material, keys, slider, faults. */
 async function used(page) {
     expectThat(await page.call(`document.getElementById("name").textContent`) === "Garnet red", "a preset is there at once");
@@ -259,7 +281,7 @@ try {
     browser.on("Network.requestWillBeSent", ({ request }) => asked.push(request.url));
     await page.send("Network.enable");
     await page.until("self.srbf?.tracer?.count > 0");
-    const parts = { used: () => used(page), balls: () => balls(page), downloads: () => downloads(browser, page), fits: () => fits(page), viewed: () => viewed(browser), pictures: () => pictures(browser, url) };
+    const parts = { used: () => used(page), turns: () => turns(page), balls: () => balls(page), downloads: () => downloads(browser, page), fits: () => fits(page), viewed: () => viewed(browser), pictures: () => pictures(browser, url) };
     const wanted = process.env.PARTS?.split(" ") ?? Object.keys(parts);
     for (const name of wanted) {
         const begun = Date.now();

@@ -188,8 +188,18 @@ function verdict(lines, findings) {
     at("good-list").replaceChildren(...good.map(item));
 }
 
+/** Turns the sample about its normal. It changes an anisotropic material alone. */
+function turned() {
+    const degrees = Number(at("turn").value), radians = (degrees * Math.PI) / 180;
+    at("turn-text").textContent = `${degrees}°`;
+    tracer?.set({ turned: [Math.cos(radians), Math.sin(radians)] });
+    plot();
+    run();
+}
+
 function show(material) {
     tracer?.setMaterial(material.bytes, material.json.name);
+    at("turn-part").hidden = !tracer || tracer.numbers.kind === 0;
     shown = material;
     const { name, facts, findings } = material.json;
     at("name").textContent = titled(name);
@@ -297,7 +307,7 @@ function downloads() {
         });
         at("downloads").append(button);
     }
-    at("take-hint").textContent = hasFitter() ? "RGL and MERL files are of isotropic materials, and take some seconds to write." : "This copy of the page has no fitter, which writes RGL and MERL too. A measurement is fitted by srbf view FILE.";
+    at("take-hint").textContent = hasFitter() ? "RGL and MERL files take some seconds to write. MERL files are of isotropic materials." : "This copy of the page has no fitter, which writes RGL and MERL too. A measurement is fitted by srbf view FILE.";
 }
 
 function droppable() {
@@ -356,6 +366,7 @@ function begin() {
         run();
     });
     for (const id of ["degrees", "marked"]) at(id).addEventListener("input", plot);
+    at("turn").addEventListener("input", turned);
     at("cancel").addEventListener("click", () => fitting?.end());
     at("fitting").addEventListener("cancel", () => fitting?.end());
     at("version").textContent = `srbf ${data.version}`;

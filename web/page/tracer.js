@@ -222,6 +222,7 @@ uniform vec2 middle;
 uniform uint frame;
 uniform vec4 shifts[3];
 uniform mat3 seen;
+uniform vec2 turned;
 const vec3 GROUND_ALBEDO = vec3(0.52, 0.51, 0.50);
 out vec4 sum;
 ${shape === "ball" ? balls : meshes}
@@ -261,7 +262,8 @@ void main() {
         if (bounce == BOUNCES) { break; }
         if (bounce == 0 && h.is_ground) { cover = h.cover; }
         vec3 side = normalize(abs(h.normal.z) < 0.99 ? cross(vec3(0.0, 0.0, 1.0), h.normal) : vec3(1.0, 0.0, 0.0));
-        mat3 surface = mat3(side, cross(h.normal, side), h.normal);
+        vec3 across = cross(h.normal, side);
+        mat3 surface = mat3(side * turned.x + across * turned.y, across * turned.x - side * turned.y, h.normal);
         vec3 wo = -d * surface;
         wo = normalize(vec3(wo.xy, max(wo.z, 1e-3)));
         vec3 point = o + d * h.distance + h.flat_normal * 2e-4;
@@ -340,13 +342,16 @@ void main() {
 const curves = (text) => `${head}
 ${words(text)}
 uniform float theta;
+uniform vec2 turned;
 uniform int columns;
 out vec4 value;
 void main() {
     SrbfMaterial m = srbf_material(0);
-    SrbfView v = srbf_prepare(m, vec3(-sin(theta), 0.0, cos(theta)));
+    // The frame turns with the sample, and the plane of incidence stays.
+    vec2 plane = vec2(turned.x, -turned.y);
+    SrbfView v = srbf_prepare(m, vec3(-sin(theta) * plane, cos(theta)));
     float angle = (float(int(gl_FragCoord.x)) / float(columns - 1) - 0.5) * 3.14159265;
-    vec3 wi = vec3(sin(angle), 0.0, max(cos(angle), 0.0));
+    vec3 wi = vec3(sin(angle) * plane, max(cos(angle), 0.0));
     vec3 factor = srbf_factor(m, v.wo, wi);
     int row = int(gl_FragCoord.y);
     vec3 f = srbf_evaluate(m, v, wi).value;
@@ -395,6 +400,7 @@ export class Tracer {
         this.fixedScale = null;
         [this.shape, this.light, this.exposure] = ["ball", 2, 0];
         this.seen = DAYLIGHT; // the colours of the material's red, green and blue
+        this.turned = [1, 0]; // cosine and sine of the turn of the sample about its normal
         this.turns = Object.fromEntries(SHAPES.map((shape) => [shape, { ...STANDPOINTS[shape] }]));
         this.targets = [];
         this.count = 0;
@@ -547,6 +553,7 @@ export class Tracer {
         gl.uniform2f(place("middle"), to.width / 2, to.height / 2);
         gl.uniform1i(place("light"), this.light);
         gl.uniformMatrix3fv(place("seen"), false, this.seen);
+        gl.uniform2fv(place("turned"), this.turned);
         const number = this.first + count;
         gl.uniform1ui(place("frame"), number);
         // Multiples of powers of a root: points that fill a cube of twelve dimensions evenly (Roberts 2018).
@@ -691,6 +698,7 @@ export class Tracer {
         const values = this.table("curves", columns, rows, (gl, place) => {
             this.bind(0, this.words, place("material_words"));
             gl.uniform1f(place("theta"), (degrees * Math.PI) / 180);
+            gl.uniform2fv(place("turned"), this.turned);
             gl.uniform1i(place("columns"), columns);
         });
         return Array.from({ length: rows }, (_, row) => values.subarray(4 * row * columns, 4 * (row + 1) * columns));

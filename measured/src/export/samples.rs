@@ -1,6 +1,7 @@
 //! Writers of samples as text: our own `.csv`, and Cornell's `.astm` with three channels.
 
 use crate::read::Spectra;
+use crate::row::Row;
 use crate::table::{Sample, Table};
 use std::fmt::Write;
 
@@ -35,10 +36,10 @@ pub fn csv_of_spectra(spectra: &Spectra) -> String {
     text
 }
 
-/// Writes pairs of directions, incident and outgoing, with f as our own CSV.
-pub(super) fn csv_of_pairs(rows: &[([f64; 3], [f64; 3], [f64; 3])]) -> String {
+/// Writes samples of a surface that a turn changes as our own CSV: as they were read, in the frame of the surface.
+pub fn csv_of_rows(rows: &[Row]) -> String {
     let mut text = csv_head(None);
-    rows.iter().for_each(|(wi, wo, rgb)| csv_row(&mut text, [*wi, *wo], rgb.iter().copied()));
+    rows.iter().for_each(|row| csv_row(&mut text, [row.wi, row.wo], row.rgb.iter().copied()));
     text
 }
 

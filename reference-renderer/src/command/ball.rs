@@ -10,6 +10,9 @@ use anyhow::ensure;
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 
+/// Largest turn, degrees: f32 tells tenths of a degree apart there.
+const MOST_TURNED: f32 = 1e5;
+
 /// Draws a ball of a material; with a table, also a ball of the table and their difference.
 ///
 /// Direct light, one PNG: on the left the material, in the middle the other one, under the same light and with the
@@ -33,6 +36,10 @@ pub struct Args {
     /// Stops to brighten the balls by, from an exposure that fits the picture
     #[arg(long, default_value_t = 0.0, allow_negative_numbers = true, value_name = "STOPS")]
     exposure: f32,
+    /// Degrees by which the sample is turned about its normal, counterclockwise: with 0 the x axis of an anisotropic surface goes round the
+    /// ball, with 90 along its meridians. It changes nothing of an isotropic one
+    #[arg(long, default_value_t = 0.0, allow_negative_numbers = true, value_name = "DEGREES")]
+    turn: f32,
     /// Threads; 0 is one a processor. The picture does not depend on it
     #[arg(long, default_value_t = 0, value_parser = clap::value_parser!(u16).range(0..=1024))]
     threads: u16,
@@ -45,13 +52,23 @@ pub struct Args {
 pub fn run(args: Args) -> anyhow::Result<()> {
     check_output(&args.output)?;
     ensure!(args.exposure.abs() <= 64.0, "--exposure {}: within -64 to 64 is expected", args.exposure);
+    ensure!(
+        args.turn.abs() <= MOST_TURNED,
+        "--turn {}: within -{MOST_TURNED} to {MOST_TURNED} degrees is expected",
+        args.turn
+    );
     argument::on_threads(args.threads.into(), || {
         let material = LoadedMaterial::load(&args.material)?;
         let against = args.against.as_deref().map(LoadedMaterial::load).transpose()?;
         let environments =
             args.env.iter().map(|text| argument::environment(text)).collect::<Result<Vec<_>, _>>()?;
-        let light =
-            |(name, environment)| Light { name, environment, samples: args.spp, stops: args.exposure };
+        let light = |(name, environment)| Light {
+            name,
+            environment,
+            samples: args.spp,
+            stops: args.exposure,
+            turn: args.turn,
+        };
         let lights: Vec<Light<'_>> =
             args.env.iter().map(String::as_str).zip(&environments).map(light).collect();
         write(&args.output, &material, against.as_ref(), &lights)

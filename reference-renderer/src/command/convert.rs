@@ -79,6 +79,9 @@ impl Format {
     }
 }
 
+/// Of samples that stay as they are.
+const READ: &str = "as they were read";
+
 /// Runs the command.
 pub fn run(args: Args) -> anyhow::Result<()> {
     let format = Format::of(&args.output)?;
@@ -151,19 +154,23 @@ fn write_samples(output: &Path, source: Source, is_csv: bool) -> anyhow::Result<
     if let (true, Content::Evaluable(brdf)) = (is_csv, &source.content)
         && brdf.symmetry() != Symmetry::Isotropic
     {
-        let (text, count) = export::csv_of_turned(brdf.as_ref());
+        let (text, count, are) = match (source.own_spectra(), &source.intake) {
+            (Some(own), _) => (export::csv_of_spectra(own), own.samples.len(), READ),
+            (None, Some(intake)) => (export::csv_of_rows(&intake.rows), intake.rows.len(), READ),
+            (None, None) => {
+                let (text, count) = export::csv_of_turned(brdf.as_ref());
+                (text, count, "chosen here")
+            }
+        };
         output::write(output, text.as_bytes())?;
-        println!(
-            "{}: {count} samples at outgoing directions over the hemisphere, chosen here",
-            shown(output)
-        );
+        println!("{}: {count} samples at outgoing directions over the hemisphere, {are}", shown(output));
         return Ok(());
     }
     let spectra = source.spectra().filter(|_| is_csv).cloned();
     // Of very many samples, some alone have kept their spectra.
     let own = source.own_spectra().filter(|_| is_csv).cloned();
     let (table, are) = match source.content {
-        Content::Samples(table) => (table, "as they were read".to_owned()),
+        Content::Samples(table) => (table, READ.to_owned()),
         Content::Evaluable(brdf) => match export::measured(brdf.as_ref())? {
             (table, 0.0) => (table, "chosen here".to_owned()),
             (table, left_out) => (

@@ -90,7 +90,7 @@ pub fn run(args: Args) -> anyhow::Result<()> {
     let page = args.html.then(|| output.with_extension("html"));
     page.as_deref().map(output::check_place).transpose()?;
     let environment = argument::environment(&args.env)?;
-    let light = Light { name: &args.env, environment: &environment, samples: SAMPLES, stops: 0.0 };
+    let light = Light { name: &args.env, environment: &environment, samples: SAMPLES, stops: 0.0, turn: 0.0 };
     let source = args.against.as_deref().map(srbf_fit::read::read).transpose()?;
     let beside = source.map(Beside::new).transpose()?;
     let report = beside.as_ref().map(|beside| judge(&stored, beside)).transpose()?.flatten();

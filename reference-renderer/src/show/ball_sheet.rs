@@ -49,7 +49,7 @@ pub struct Sheet {
     pub difference: Option<Difference>,
 }
 
-/// The light of a sheet.
+/// The light of a sheet, and how balls lie in it.
 pub struct Light<'a> {
     /// Its name.
     pub name: &'a str,
@@ -59,6 +59,8 @@ pub struct Light<'a> {
     pub samples: u32,
     /// Stops to brighten by, from an exposure that fits the last ball.
     pub stops: f32,
+    /// Degrees by which the samples are turned about their normals.
+    pub turn: f32,
 }
 
 /// Draws a ball of a material; or two, and their difference.
@@ -71,10 +73,10 @@ pub fn draw(
     light: &Light<'_>,
 ) -> anyhow::Result<Sheet> {
     let progress = Progress::new("balls", SIDE.into());
-    let &Light { environment, samples, .. } = light;
+    let &Light { environment, samples, turn, .. } = light;
     match against {
         None => {
-            let pixels = ball::render([material.shader()], environment, SIDE, samples, &progress)
+            let pixels = ball::render([material.shader()], environment, [SIDE, samples], turn, &progress)
                 .with_context(|| format!("material {}", material.name()))?;
             let exposure = exposure(&pixels, light.stops);
             let tile = tile(&pixels, |p| displayed(p.radiance[0] * exposure), BACKGROUND);
@@ -83,7 +85,7 @@ pub fn draw(
         }
         Some(other) => {
             let shaders = [material.shader(), other.shader()];
-            let pixels = ball::render(shaders, environment, SIDE, samples, &progress)
+            let pixels = ball::render(shaders, environment, [SIDE, samples], turn, &progress)
                 .with_context(|| format!("materials {} and {}", material.name(), other.name()))?;
             let exposure = exposure(&pixels, light.stops);
             let shown = |p: &BallPixel<2>| p.radiance.map(|radiance| displayed(radiance * exposure));
@@ -188,7 +190,7 @@ mod tests {
     fn sheet(material: &str, against: Option<&str>) -> Sheet {
         let load = |name: &str| LoadedMaterial::load(name).unwrap();
         let against = against.map(load);
-        let light = Light { name: "haze", environment: &sky::haze(), samples: 2, stops: 0.0 };
+        let light = Light { name: "haze", environment: &sky::haze(), samples: 2, stops: 0.0, turn: 0.0 };
         draw(&load(material), against.as_ref(), &light).unwrap()
     }
 

@@ -145,7 +145,8 @@ mod tests {
 
     #[test]
     fn rendered_mean_is_the_closed_form_albedo_of_an_anisotropic_material() {
-        check(&brushed().material);
+        let brushed = brushed();
+        [0.0, 30.0, 90.0].iter().for_each(|turn| check_turned(&brushed.material, *turn));
     }
 
     #[test]
@@ -157,7 +158,8 @@ mod tests {
 
     #[test]
     fn rendered_mean_is_the_quadrature_of_an_anisotropic_table() {
-        check(&model("model:ward:alpha_x=0.15,alpha_y=0.4,specular=0.5/0.3/0.1"));
+        let ward = model("model:ward:alpha_x=0.15,alpha_y=0.4,specular=0.5/0.3/0.1");
+        [0.0, 60.0].iter().for_each(|turn| check_turned(&ward, *turn));
     }
 
     #[test]
@@ -192,9 +194,14 @@ mod tests {
     }
 
     fn check<'a>(material: impl Into<Shader<'a>>) {
+        check_turned(material, 0.0);
+    }
+
+    /// `turn`: of the sample about its normal, degrees.
+    fn check_turned<'a>(material: impl Into<Shader<'a>>, turn: f32) {
         let material = material.into();
         let environment = Environment::constant(1.7).unwrap();
-        let scene = Scene::new(SceneName::Sphere, material, material, &environment);
+        let scene = Scene::new(SceneName::Sphere, material, material, &environment).turned(turn);
         let size = [32, 32];
         let camera = SceneName::Sphere.camera(size);
         let expected = albedos(&scene, &camera, size);

@@ -35,20 +35,21 @@ fn spread<const D: usize>(shift: [f32; D], steps: [f64; D], n: u32) -> [f32; D] 
 /// The largest f32 below 1.
 const LARGEST: f32 = 1.0 - 0.5 * f32::EPSILON;
 
-/// Renders balls in squares of `side` pixels, rows from the top; advances the progress by the number of rows.
+/// Renders balls in squares of `side` pixels of `samples` each, rows from the top; advances the progress by the number of rows. `turn`: degrees by
+/// which samples are turned about their normals.
 ///
 /// # Errors
 /// Radiance that is not finite: of values that are too extreme for f32.
 pub fn render<const N: usize>(
     shaders: [Shader<'_>; N],
     environment: &Environment,
-    side: u32,
-    samples: u32,
+    [side, samples]: [u32; 2],
+    turn: f32,
     progress: &Progress,
 ) -> anyhow::Result<Vec<BallPixel<N>>> {
     // The frame depends on the material where that is anisotropic: then it is the frame of all.
     let framing = shaders.iter().find(|shader| !shader.is_isotropic()).unwrap_or(&shaders[0]);
-    let scene = Scene::new(SceneName::Sphere, *framing, *framing, environment);
+    let scene = Scene::new(SceneName::Sphere, *framing, *framing, environment).turned(turn);
     let camera = SceneName::Sphere.camera([side; 2]);
     let mut pixels = vec![BallPixel { radiance: [Vec3::ZERO; N], coverage: 0.0 }; (side * side) as usize];
     let storage = || shaders.map(|_| Scattering::empty());
@@ -150,7 +151,7 @@ mod tests {
         let (side, environment, hidden) = (24, sky::haze(), Progress::hidden());
         let (lacquer, vivid) = (lacquer(), vivid());
         let shaders = [Shader::from(&lacquer.material), Shader::from(&vivid)];
-        let pixels = render(shaders, &environment, side, 256, &hidden).unwrap();
+        let pixels = render(shaders, &environment, [side, 256], 0.0, &hidden).unwrap();
         // The outline is left out: there the film's pixels have background in them.
         let inside = |i: &usize| pixels[*i].coverage == 1.0;
         for (k, shader) in shaders.into_iter().enumerate() {
@@ -181,8 +182,27 @@ mod tests {
         let environment = sky::sky();
         let gloss = model("model:ggx:alpha_x=0.05,alpha_y=0.2,f0=0.9/0.5/0.1");
         let shaders = [Shader::from(&gloss); 2];
-        let pixels = render(shaders, &environment, 20, 4, &Progress::hidden()).unwrap();
+        let pixels = render(shaders, &environment, [20, 4], 0.0, &Progress::hidden()).unwrap();
         assert!(pixels.iter().all(|pixel| pixel.radiance[0] == pixel.radiance[1]));
         assert!(mean(&pixels, 0).min_element() > 0.0);
+    }
+
+    #[test]
+    fn a_turn_by_a_quarter_is_the_other_roughness() {
+        let environment = sky::sky();
+        let [round, along] = ["alpha_x=0.05,alpha_y=0.2", "alpha_x=0.2,alpha_y=0.05"]
+            .map(|alpha| model(&format!("model:ggx:{alpha},f0=0.9/0.5/0.1")));
+        let turned = |measured, turn| {
+            let pixels = render([Shader::from(measured)], &environment, [20, 64], turn, &Progress::hidden());
+            pixels.unwrap().iter().map(|p| p.radiance[0] * p.coverage).collect::<Vec<_>>()
+        };
+        let apart = |a: &[Vec3], b: &[Vec3]| {
+            let sum: Vec3 = a.iter().zip(b).map(|(a, b)| (*a - *b).abs()).sum();
+            (sum / b.iter().copied().sum::<Vec3>()).x
+        };
+        let (of_other, turned_by, as_is) = (turned(&along, 0.0), turned(&round, 90.0), turned(&round, 0.0));
+        let noise = apart(&turned_by, &of_other);
+        assert!(noise < 0.25 * apart(&as_is, &of_other), "{noise} {}", apart(&as_is, &of_other));
+        assert!(apart(&turned(&round, 180.0), &as_is) < 2.0 * noise + 1e-4);
     }
 }

@@ -32,7 +32,8 @@ impl Frame {
     /// Makes the frame at a surface seen from a direction.
     ///
     /// The tangent is horizontal, as the grooves of an object are that was turned on a lathe about the vertical: along the parallels of
-    /// the sphere and round the teapot's body. It matters to anisotropic materials only.
+    /// the sphere and round the teapot's body. A sample that is turned has it turned along: by a quarter, grooves go along the meridians. It
+    /// matters to anisotropic materials only.
     pub fn new(surface: &Surface<'_, '_>, wo: Vec3) -> Self {
         let flat = if surface.flat.dot(wo) < 0.0 { -surface.flat } else { surface.flat };
         let mut normal = if surface.smooth.dot(flat) < 0.0 { -surface.smooth } else { surface.smooth };
@@ -42,7 +43,11 @@ impl Frame {
             normal = (normal + wo * (LEAST_COSINE - cosine)).normalize();
         }
         let (tangent, bitangent) = match Vec3::Z.cross(normal).try_normalize() {
-            Some(tangent) if !surface.material.is_isotropic() => (tangent, normal.cross(tangent)),
+            Some(along) if !surface.material.is_isotropic() => {
+                let across = normal.cross(along);
+                let [cos, sin] = surface.turn.to_array();
+                (along * cos + across * sin, across * cos - along * sin)
+            }
             _ => normal.any_orthonormal_pair(),
         };
         Self { point: surface.point, flat, tangent, bitangent, normal }

@@ -9,7 +9,7 @@ use crate::world::intersect::TriangleTree;
 use crate::world::mesh::Mesh;
 use crate::world::ray::Ray;
 use crate::world::teapot;
-use glam::{Vec3, vec3};
+use glam::{Vec2, Vec3, vec3};
 
 /// Quadrilaterals along each side of a patch of the teapot: at 24 the outline shows no corners in 4096 pixels.
 const TEAPOT_STEPS: u32 = 24;
@@ -218,6 +218,8 @@ pub struct Scene<'a> {
     /// The triangle that a part begins with, and its material.
     parts: Vec<(usize, Shader<'a>)>,
     object: Shader<'a>,
+    /// Cosine and sine of the turn of the samples about their normals.
+    turn: Vec2,
     /// The light.
     pub environment: &'a Environment,
 }
@@ -230,6 +232,8 @@ pub struct Surface<'s, 'a> {
     /// Unit normal of the smooth surface that the triangles stand for.
     pub smooth: Vec3,
     pub material: &'s Shader<'a>,
+    /// Cosine and sine of the turn of the sample about its normal.
+    pub turn: Vec2,
 }
 
 impl<'a> Scene<'a> {
@@ -258,8 +262,15 @@ impl<'a> Scene<'a> {
             mesh,
             parts: parts.into_iter().map(|(first, role)| (first, material(role))).collect(),
             object: material(Role::Object),
+            turn: Vec2::X,
             environment,
         }
+    }
+
+    /// The same with samples that are turned about their normals, in degrees, counterclockwise as seen from outside.
+    #[must_use]
+    pub fn turned(self, degrees: f32) -> Self {
+        Self { turn: Vec2::from_angle(degrees.to_radians()), ..self }
     }
 
     /// The nearest surface along a ray.
@@ -270,12 +281,12 @@ impl<'a> Scene<'a> {
             let point = at(hit.distance);
             let (flat, smooth) = self.mesh.normals_at(hit.triangle, point);
             let part = self.parts.iter().rfind(|part| part.0 <= hit.triangle)?;
-            return Some(Surface { point, flat, smooth, material: &part.1 });
+            return Some(Surface { point, flat, smooth, material: &part.1, turn: self.turn });
         }
         ball.map(|(distance, ball, material)| {
             let normal = (at(distance) - ball.centre).normalize();
             let point = ball.centre + normal * ball.radius;
-            Surface { point, flat: normal, smooth: normal, material }
+            Surface { point, flat: normal, smooth: normal, material, turn: self.turn }
         })
     }
 
@@ -306,7 +317,7 @@ impl<'a> Scene<'a> {
             }
         }
         let tree = TriangleTree::new(&mesh);
-        Self { ball: None, tree, mesh, parts, object: materials[0], environment }
+        Self { ball: None, tree, mesh, parts, object: materials[0], turn: Vec2::X, environment }
     }
 
     /// The object's material.

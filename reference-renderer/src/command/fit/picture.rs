@@ -87,7 +87,8 @@ impl Args {
         words: &[String],
     ) -> anyhow::Result<()> {
         let name = output.file_stem().unwrap_or_default().to_string_lossy();
-        let light = Light { name: &self.env, environment: light, samples: plot::SAMPLES, stops: 0.0 };
+        let light =
+            Light { name: &self.env, environment: light, samples: plot::SAMPLES, stops: 0.0, turn: 0.0 };
         let stored = StoredMaterial::new(&name, bytes.into())?;
         plot::write(path, stored, Some(Beside::new(source)?), light, words)?;
         Ok(())
