@@ -81,7 +81,7 @@ pub fn run(args: Args) -> anyhow::Result<()> {
         100.0 * error
     );
     let row = format!("{} bytes; mean relative L2 error at most {:.2} %", glass.len(), 100.0 * error);
-    made.push((args.out.join("ground_glass.srbf"), glass));
+    made.push((args.out.join("sheets/ground_glass.srbf"), glass));
     made.push((about, readme(&rows, &row).into_bytes()));
     for (path, bytes) in &made {
         if !args.check {
@@ -134,7 +134,7 @@ Error: of `f cos` over the samples of a view, all three channels, weighted by so
 SHA-256 are in the provenance text of each file (`srbf inspect`). Values between the samples, below 10 degrees and
 beyond 80 is what `srbf fit` completes them to.
 
-`ground_glass.srbf` is a sheet, for the examples of [sheets](../docs/sheets.md), and is not in the program: light through a plate that is rough in
+`sheets/ground_glass.srbf` is a sheet, for the examples of [sheets](../docs/sheets.md), and is not in the program: light through a plate that is rough in
 front, by a model (Walter et al. 2007); {glass}.
 
 This folder is made by `SRBF_DATA_DIR=... cargo lab presets`; `cargo lab presets --check` compares. The fit uses no function of the

@@ -63,7 +63,7 @@ fn expanded_material() {
 
 #[test]
 fn sheets_are_asked_on_both_sides() {
-    let sheet = root().join("presets/ground_glass.srbf");
+    let sheet = root().join("presets/sheets/ground_glass.srbf");
     for compiler in compilers(Language::C) {
         for link in [Link::Static, Link::Shared] {
             let program = compiler.program("sheet.c", library(), link, &[]);
@@ -118,7 +118,7 @@ fn the_cpp_wrapper_works() {
             for link in [Link::Static, Link::Shared] {
                 let options = [standard, "-Wconversion", "-Wshadow"];
                 let program = compiler.program("wrapper.cpp", library(), link, &options);
-                let (material, sheet) = (material::file(), root().join("presets/ground_glass.srbf"));
+                let (material, sheet) = (material::file(), root().join("presets/sheets/ground_glass.srbf"));
                 let output = run_program(&program, &[material.as_os_str(), sheet.as_os_str()]);
                 assert!(output.contains("wrapper: passed"), "{output}");
             }
