@@ -20,9 +20,11 @@ fn main() -> ExitCode {
         Ok(levels) => levels,
         Err(status) => return status,
     };
-    let [reflection, transmission] =
-        [&include_bytes!("../../presets/garnet_red.srbf")[..], include_bytes!("../../presets/krylon_blue.srbf")]
-            .map(|bytes| Material::from_bytes(bytes).expect("a preset"));
+    let [reflection, transmission] = [
+        &include_bytes!("../../presets/garnet_red.srbf")[..],
+        include_bytes!("../../presets/krylon_blue.srbf"),
+    ]
+    .map(|bytes| Material::from_bytes(bytes).expect("a preset"));
     let quarters = [Some(&reflection), Some(&transmission), None, None];
     let mut bytes = vec![0; Sheet::encoded_len(quarters, "")];
     Sheet::encode(quarters, true, "", &mut bytes).expect("two materials");
@@ -88,7 +90,10 @@ fn main() -> ExitCode {
         let mut table = Table::new(&format!("{}, ns a hit", level.name()), ["material", "sheet", "ratio"]);
         for (n, name) in WAYS.iter().enumerate() {
             let (material, sheet) = (times[n], times[n + WAYS.len()]);
-            table.row(name, [format!("{material:.1}"), format!("{sheet:.1}"), format!("{:.2}", sheet / material)]);
+            table.row(
+                name,
+                [format!("{material:.1}"), format!("{sheet:.1}"), format!("{:.2}", sheet / material)],
+            );
         }
         table.print();
     }

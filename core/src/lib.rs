@@ -140,7 +140,8 @@ pub use material::views::{Grid, GridView, Line, PlaneLobe, TiltedLobe, View};
 pub use mixture::leave_out::LeaveOut;
 pub use mixture::rows::{AnyMixture, Domain, Groups, Mixture, Room, Sample};
 pub use printable::{Printable, printable, printable_lines};
-pub use sheet::{Quarter, Sheet, SheetMixture};
+pub use sheet::quarter::Quarter;
+pub use sheet::{Sheet, SheetMixture};
 pub use simd::detect::Level;
 pub use simd::processor::Processor;
 #[cfg(feature = "zonal")]

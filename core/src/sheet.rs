@@ -1,13 +1,14 @@
 //! Sheets: surfaces that are thin, reflect light and let some through. Glass, cloth, paper, blinds.
 //!
 //! A sheet has up to four *quarters*, each a material: reflection and transmission, seen from the front and from the back. One number of
-//! a draw chooses between reflection and transmission of the side that is seen, by a share that the bytes have for every angle. So a
-//! hit asks one material, and its density is that share times the material's.
+//! a draw chooses between reflection and transmission, by a share for the angle of `wo`. So a hit asks one material, and its density is
+//! that share times the material's.
 //!
 //! [`bytes`] is the format, [`requests`] asks for many hits.
 //! May import: `mixture`, `kernel`, `material`, `color`, `error`.
 
-pub(crate) mod bytes;
+mod bytes;
+pub(crate) mod quarter;
 mod requests;
 
 use crate::error::Error;
@@ -20,40 +21,7 @@ use crate::mixture::rows::{AnyMixture, Groups, Mixture, Room, Sample};
 use crate::simd::detect::Level;
 use bytes::Head;
 use glam::Vec3;
-
-/// One of the materials of a [`Sheet`], by the side that is seen and by the light that it shows.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
-pub enum Quarter {
-    /// Viewer and light in front.
-    FrontReflection,
-    /// The viewer in front, the light behind.
-    FrontTransmission,
-    /// Viewer and light behind.
-    BackReflection,
-    /// The viewer behind, the light in front.
-    BackTransmission,
-}
-
-impl Quarter {
-    /// All, in the order of the bytes.
-    pub const ALL: [Self; 4] =
-        [Self::FrontReflection, Self::FrontTransmission, Self::BackReflection, Self::BackTransmission];
-
-    /// Whether the light comes through the sheet.
-    pub const fn is_transmission(self) -> bool {
-        matches!(self, Self::FrontTransmission | Self::BackTransmission)
-    }
-
-    /// Whether the viewer is behind the sheet, where z is negative.
-    pub const fn is_back(self) -> bool {
-        matches!(self, Self::BackReflection | Self::BackTransmission)
-    }
-
-    /// The quarter for a side and a light.
-    const fn of(is_back: bool, is_transmission: bool) -> Self {
-        Self::ALL[2 * is_back as usize + is_transmission as usize]
-    }
-}
+use quarter::{Quarter, Seen, is_across, upward};
 
 /// A sheet in `.srbf` bytes of any alignment, which are checked once: nothing is copied, nothing allocated.
 ///
@@ -106,21 +74,34 @@ pub struct Sheet<B = &'static [u8]> {
     head: Head,
 }
 
-/// What is asked for a direction of the viewer: its material, the directions in the frame of that, and the share of draws.
-struct Seen<'a> {
-    material: MaterialRef<'a>,
-    wo: Vec3,
-    share: f32,
-}
+impl Sheet {
+    /// Bytes that [`encode`](Self::encode) writes.
+    pub fn encoded_len<B: AsRef<[u8]>>(quarters: [Option<&Material<B>>; 4], provenance: &str) -> usize {
+        bytes::encoded_len(quarters.map(|material| material.map(Material::borrowed)), provenance)
+    }
 
-/// A direction as a quarter has it: above the horizon.
-fn upward(direction: Vec3) -> Vec3 {
-    Vec3::new(direction.x, direction.y, if direction.z < 0.0 { -direction.z } else { direction.z })
-}
-
-/// Whether two directions lie on two sides.
-fn is_across(wo: Vec3, wi: Vec3) -> bool {
-    (wo.z < 0.0) != (wi.z < 0.0)
+    /// Writes a sheet of up to four materials, in the order of [`Quarter::ALL`], and checks it as a reader would.
+    ///
+    /// A quarter that is `None` is black. `is_symmetric`: the back is like the front, and its quarters are not given. Directions of the
+    /// materials lie above the horizon: see [`quarter`](Self::quarter). Shapes: `out` [[`encoded_len`](Self::encoded_len)], overwritten.
+    /// Returns: the bytes written.
+    ///
+    /// # Errors
+    /// [`FormatError::Buffer`] if `out` is too small; [`FormatError::Field`] for no quarter, for a quarter of the back of a symmetric
+    /// sheet, and for a sheet of more than 4 GB.
+    pub fn encode<B: AsRef<[u8]>>(
+        quarters: [Option<&Material<B>>; 4],
+        is_symmetric: bool,
+        provenance: &str,
+        out: &mut [u8],
+    ) -> Result<usize, FormatError> {
+        bytes::encode(
+            quarters.map(|material| material.map(Material::borrowed)),
+            is_symmetric,
+            provenance,
+            out,
+        )
+    }
 }
 
 impl<B: AsRef<[u8]>> Sheet<B> {

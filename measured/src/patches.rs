@@ -14,7 +14,7 @@ pub use of_patches::OfPatches;
 /// The values of one quarter of a sheet.
 ///
 /// Directions lie above the horizon: of one behind the sheet the height changes its sign. A value is the mean of f over a patch of outgoing
-/// directions, by their projected solid angle, for the incident direction at the middle of another patch.
+/// directions, by their projected solid angle. It is for one incident direction, at the middle of another patch.
 #[derive(Clone, Debug, PartialEq)]
 pub struct PatchMatrix {
     /// Patches of outgoing directions.

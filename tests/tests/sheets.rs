@@ -209,7 +209,7 @@ fn requests_answer_what_single_calls_do() {
                     match sample {
                         Some(sample) => {
                             assert_eq!(drawn.z < 0.0, sample.direction.z < 0.0, "{level:?} {name} {n} {i}");
-                            // A number at the border of two lobes may take either: the draw says what it is itself.
+                            // A number at the border of two lobes may take either: the draw tells its own density.
                             let (value, there) = sheet.evaluate_and_pdf(wo, drawn);
                             assert!(
                                 (there / pdf[i] - 1.0).abs() < 5e-3,

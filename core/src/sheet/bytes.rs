@@ -19,9 +19,9 @@
 //!
 //! A block that is not known is skipped if its tag begins with a small letter, and refused otherwise.
 
-use super::{Quarter, Seen, Sheet};
+use super::quarter::{Quarter, Seen, upward};
 use crate::kernel::prepare::prepare;
-use crate::material::borrowed::{Material, MaterialRef};
+use crate::material::borrowed::MaterialRef;
 use crate::material::bytes::{part, u32_at};
 use crate::material::checksum::crc32;
 use crate::material::encode::Writer;
@@ -119,7 +119,7 @@ impl Head {
         let material = self.material(bytes, Quarter::of(wo.z < 0.0, is_transmission))?;
         let reflected = self.reflected_share(bytes, wo);
         let share = if is_transmission { 1.0 - reflected } else { reflected };
-        Some(Seen { material, wo: super::upward(wo), share })
+        Some(Seen { material, wo: upward(wo), share })
     }
 }
 
@@ -208,63 +208,52 @@ fn power_at(material: MaterialRef<'_>, height: f32) -> f32 {
     sum / azimuths as f32
 }
 
-impl Sheet {
-    /// Bytes that [`encode`](Self::encode) writes.
-    pub fn encoded_len<B: AsRef<[u8]>>(quarters: [Option<&Material<B>>; 4], provenance: &str) -> usize {
-        let block = |length: usize| BLOCK_HEAD + padded(length);
-        let quarters: usize = quarters.iter().flatten().map(|material| block(material.bytes().len())).sum();
-        let text = if provenance.is_empty() { 0 } else { block(provenance.len()) };
-        BLOCKS + block(2 * HEIGHTS) + quarters + text + CHECKSUM
-    }
+/// Bytes of a sheet of some materials.
+pub(super) fn encoded_len(quarters: [Option<MaterialRef<'_>>; 4], provenance: &str) -> usize {
+    let block = |length: usize| BLOCK_HEAD + padded(length);
+    let quarters: usize = quarters.iter().flatten().map(|material| block(material.bytes.len())).sum();
+    let text = if provenance.is_empty() { 0 } else { block(provenance.len()) };
+    BLOCKS + block(2 * HEIGHTS) + quarters + text + CHECKSUM
+}
 
-    /// Writes a sheet of up to four materials, in the order of [`Quarter::ALL`], and checks it as a reader would.
-    ///
-    /// A quarter that is `None` is black. `is_symmetric`: the back is like the front, and its quarters are not given. Directions of the
-    /// materials lie above the horizon: see [`Sheet::quarter`]. Shapes: `out` [[`encoded_len`](Self::encoded_len)], overwritten.
-    /// Returns: the bytes written.
-    ///
-    /// # Errors
-    /// [`FormatError::Buffer`] if `out` is too small; [`FormatError::Field`] for no quarter, for a quarter of the back of a symmetric
-    /// sheet, and for a sheet of more than 4 GB.
-    pub fn encode<B: AsRef<[u8]>>(
-        quarters: [Option<&Material<B>>; 4],
-        is_symmetric: bool,
-        provenance: &str,
-        out: &mut [u8],
-    ) -> Result<usize, FormatError> {
-        let needed = Self::encoded_len(quarters, provenance);
-        if out.len() < needed {
-            return Err(FormatError::Buffer { needed, available: out.len() });
+/// Writes a sheet, and checks it as a reader would; returns the bytes written.
+pub(super) fn encode(
+    quarters: [Option<MaterialRef<'_>>; 4],
+    is_symmetric: bool,
+    provenance: &str,
+    out: &mut [u8],
+) -> Result<usize, FormatError> {
+    let needed = encoded_len(quarters, provenance);
+    if out.len() < needed {
+        return Err(FormatError::Buffer { needed, available: out.len() });
+    }
+    let fields = [usize::from(is_symmetric), 0, 0, 0, 0];
+    let mut writer = Writer::of_kind(out, KIND as usize, fields, needed);
+    let start = writer.begin(SHAR);
+    for side in quarters.chunks_exact(2) {
+        for n in 0..HEIGHTS {
+            let height = n as f32 / (HEIGHTS - 1) as f32;
+            let [reflected, transmitted] = [0, 1].map(|k| side[k].map_or(0.0, |m| power_at(m, height)));
+            let share = 255.0 * reflected / (reflected + transmitted);
+            // Not of two black ones, which have none.
+            writer.put(&[if share > 0.0 { share + 0.5 } else { 128.0 }.clamp(1.0, 254.0) as u8]);
         }
-        let fields = [usize::from(is_symmetric), 0, 0, 0, 0];
-        let mut writer = Writer::of_kind(out, KIND as usize, fields, needed);
-        let start = writer.begin(SHAR);
-        for side in quarters.chunks_exact(2) {
-            for n in 0..HEIGHTS {
-                let height = n as f32 / (HEIGHTS - 1) as f32;
-                let power = |k: usize| side[k].map_or(0.0, |m: &Material<B>| power_at(m.borrowed(), height));
-                let [reflected, transmitted] = [0, 1].map(power);
-                let share = 255.0 * reflected / (reflected + transmitted);
-                // Not of two black ones, which have none.
-                writer.put(&[if share > 0.0 { share + 0.5 } else { 128.0 }.clamp(1.0, 254.0) as u8]);
-            }
-        }
-        writer.end(start);
-        for (tag, material) in QUARTERS.into_iter().zip(quarters) {
-            if let Some(material) = material {
-                let start = writer.begin(tag);
-                writer.put(material.bytes());
-                writer.end(start);
-            }
-        }
-        if !provenance.is_empty() {
-            let start = writer.begin(TEXT);
-            writer.put(provenance.as_bytes());
+    }
+    writer.end(start);
+    for (tag, material) in QUARTERS.into_iter().zip(quarters) {
+        if let Some(material) = material {
+            let start = writer.begin(tag);
+            writer.put(material.bytes);
             writer.end(start);
         }
-        let checksum = crc32(&writer.out[..writer.at]);
-        writer.put(&checksum.to_le_bytes());
-        validate(&out[..needed])?;
-        Ok(needed)
     }
+    if !provenance.is_empty() {
+        let start = writer.begin(TEXT);
+        writer.put(provenance.as_bytes());
+        writer.end(start);
+    }
+    let checksum = crc32(&writer.out[..writer.at]);
+    writer.put(&checksum.to_le_bytes());
+    validate(&out[..needed])?;
+    Ok(needed)
 }

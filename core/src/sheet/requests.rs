@@ -1,6 +1,7 @@
 //! Many hits on a sheet: each asks the material of the quarter that it sees, all of them together.
 
-use super::{Seen, Sheet, chosen, drawn_share, is_across, upward};
+use super::quarter::{Seen, is_across, upward};
+use super::{Sheet, chosen, drawn_share};
 use crate::error::Error;
 use crate::kernel::request::{Draws, Request, Towards, at};
 use crate::kernel::slices::one_length;

@@ -268,7 +268,8 @@ mod tests {
         }
     }
 
-    /// Of a smooth plate all light that both faces let through goes straight on; more roughness loses some within the glass.
+    /// Of a smooth plate all light that both faces let through goes straight on. Facets of a rough face reflect light beyond the critical
+    /// angle back into the glass, up to a quarter of it here.
     #[test]
     fn ground_glass_transmits_what_its_faces_do() {
         for behind in [0, 1] {
@@ -284,7 +285,7 @@ mod tests {
                 let smooth = sum(0.02, degrees);
                 assert!((smooth / faces - 1.0).abs() < 0.01, "{behind} {degrees}: {smooth} {faces}");
                 let rough = sum(0.3, degrees);
-                assert!(rough < smooth && rough > 0.8 * smooth, "{behind} {degrees}: {rough} {smooth}");
+                assert!(rough < smooth && rough > 0.75 * smooth, "{behind} {degrees}: {rough} {smooth}");
             }
         }
         // Light the other way is the same, seen from behind.

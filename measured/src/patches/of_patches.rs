@@ -8,7 +8,7 @@ use super::{Basis, PatchMatrix};
 use crate::table::{Brdf, Symmetry};
 use std::f64::consts::{PI, TAU};
 
-/// Standard deviation of what is narrower than a patch, radians: 1.5 degrees, a Gaussian that a patch of 8 degrees holds.
+/// Standard deviation of light that is narrower than a patch, radians: 1.5 degrees, a Gaussian that a patch of 8 degrees holds.
 const NARROW: f64 = 1.5 * PI / 180.0;
 
 /// A patch is brighter than all beside it from this factor on.
@@ -62,7 +62,7 @@ impl OfPatches {
         let mean = |r: usize, f: &dyn Fn([f64; 3]) -> f64| {
             points[r].iter().map(|d| f(*d)).sum::<f64>() / points[r].len() as f64
         };
-        // Narrow lobes first; the rest is what they leave.
+        // Narrow lobes first, and then the rest.
         let mut narrow = vec![0.0; columns];
         for (c, amplitude) in narrow.iter_mut().enumerate() {
             let axis = mirror(incident.light(c));
@@ -235,7 +235,7 @@ fn mean_shares(basis: &Basis, points: &[[f64; 3]]) -> Vec<(usize, f64)> {
     all.into_iter().enumerate().filter(|(_, share)| *share > 0.0).collect()
 }
 
-/// One multiplication of the values at middles, `[outgoing][incident]`, by what the data are over the means that they have.
+/// One multiplication of the values at middles, `[outgoing][incident]`, by the ratio of the data to the means that they have.
 fn refine(values: &mut [f64], data: &[f64], shares: &[Vec<(usize, f64)>], columns: usize) {
     let mut ratios = vec![0.0; values.len()];
     for (r, row) in shares.iter().enumerate() {

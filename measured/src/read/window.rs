@@ -1,7 +1,7 @@
 //! Reader of the XML files of WINDOW and Radiance: matrices over patches of the reflected and the transmitted light, of both sides.
 //!
 //! A matrix is that of light from the front or from the back, a column for each incident patch (`Columns`) or a row (`Rows`). A
-//! [`Quarter`] is what one side shows: light of a reflection from that side, of a transmission from the other. Transmission that is given
+//! [`Quarter`] is the light that one side shows: light of a reflection from that side, of a transmission from the other. Transmission that is given
 //! for both sides is the same function twice, of which the mean is taken; where it is given for one, the other is that with the directions
 //! exchanged.
 
@@ -51,7 +51,7 @@ pub struct Window {
     /// Relative L2 distance of the transmission from the front and from the back, which are one function of a reciprocal sheet; `None` where the
     /// file has one.
     pub disagreement: Option<f64>,
-    /// What all values were multiplied by so that no incident direction has more light than falls on it; 1 at most.
+    /// The factor of all values, so that no incident direction has more light than falls on it; 1 at most.
     pub scale: f64,
 }
 
@@ -137,7 +137,7 @@ impl Window {
         let bright = |m: &Option<PatchMatrix>| m.as_ref().is_some_and(|m| m.values.iter().any(|v| *v > 0.0));
         if [&through, &back_through].iter().any(|m| m.as_ref().is_some_and(|m| m.straight() > CLEAR)) {
             return Err(ReadError::Content(
-                "a clear pane: what it transmits goes straight through, within one patch. That is no lobe but a direction alone, which \
+                "a clear pane: the light that it transmits goes straight through, within one patch. That is no lobe but a direction alone, which \
                  the renderer has to follow itself"
                     .into(),
             ));
@@ -282,7 +282,7 @@ fn matrix(
         if index > wanted {
             return Err(at(data, format!("more numbers than {} times {}", rows.len(), columns.len())));
         }
-        // What was subtracted for the dark may leave less than nothing.
+        // A dark signal that was subtracted may leave less than nothing.
         values.push(value.ok_or_else(expected)?.max(0.0));
     }
     if values.len() != wanted {

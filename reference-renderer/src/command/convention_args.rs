@@ -30,7 +30,7 @@ pub struct ConventionArgs {
     /// Of a file of spectra, the wavelengths that are read, in nm: numbers and ranges, such as 905 or 400-700,905 [default: all]
     #[arg(long, value_name = "NM", value_parser = ChosenWavelengths::parse)]
     wavelengths: Option<ChosenWavelengths>,
-    /// Of a sheet, what is read: reflection or transmission, as a viewer in front or behind sees it
+    /// The part of a sheet that is read: reflection or transmission, as a viewer in front or behind sees it
     /// [default: the reflection of the front; `fit` of a file of a window: all]
     #[arg(long, value_name = "WHICH")]
     quarter: Option<QuarterName>,

@@ -99,7 +99,7 @@ pub fn run(args: Args) -> anyhow::Result<()> {
     Ok(())
 }
 
-/// Prints what a sheet has.
+/// Prints the quarters of a sheet.
 fn print_sheet(name: &str, sheet: &Sheet<Vec<u8>>) {
     println!("name        {}", printable(name));
     println!("bytes       {}, a sheet", sheet.bytes().len());

@@ -21,7 +21,7 @@ pub const MATTE: &str = "matte";
 /// The bytes of a preset, or those of a file.
 pub type Bytes = Cow<'static, [u8]>;
 
-/// What the quarters of a sheet are called, in the order of [`Quarter::ALL`].
+/// Names of the quarters of a sheet, in the order of [`Quarter::ALL`].
 pub const QUARTERS: [&str; 4] =
     ["front-reflection", "front-transmission", "back-reflection", "back-transmission"];
 
