@@ -79,8 +79,11 @@ impl Window {
     pub fn parse(bytes: &[u8], band: Band) -> Result<Self, ReadError> {
         let text = decode(bytes)?;
         let options = ParsingOptions { allow_dtd: false, nodes_limit: 200_000, ..ParsingOptions::default() };
-        let document = Document::parse_with_options(text.trim_start_matches('\u{feff}'), options)
-            .map_err(|error| fault(format!("not XML: {error}")))?;
+        // Radiance's genBSDF prints a line before the file.
+        let text = &text[text.find('<').unwrap_or(0)..];
+        let document = Document::parse_with_options(text, options).map_err(|error| {
+            fault(format!("a file of a window (WINDOW, Radiance) that is no whole XML: {error}"))
+        })?;
         let root = document.root_element();
         if !root.has_tag_name_of("WindowElement") {
             return Err(fault(format!("<{}> where <WindowElement> was expected", root.tag_name().name())));
@@ -118,9 +121,9 @@ impl Window {
         }
         if [&front, &back].iter().all(|side| side.iter().all(Option::is_none)) {
             let text = format!(
-                "no matrix of the band {}; the file has {}",
+                "a file of a window (WINDOW, Radiance) without a matrix of the band {}; it has {}",
                 band.name(),
-                printable(&bands.join(", "))
+                if bands.is_empty() { "none".into() } else { printable(&bands.join(", ")).to_string() }
             );
             return Err(ReadError::Content(text));
         }
@@ -382,7 +385,7 @@ mod tests {
         let cases = [
             (good.replace("Columns", "TensorTree4"), "bsdf2klems"),
             (good.replace("Columns", "Sideways"), "Columns, or Rows"),
-            (good.replace("Visible", "Solar"), "the file has Solar"),
+            (good.replace("Visible", "Solar"), "it has Solar"),
             (good.replace("<nPhis>4</nPhis>", "<nPhis>1e9</nPhis>"), "<nPhis>"),
             (good.replace("<Theta>40</Theta>", "<Theta>nan</Theta>"), "<Theta>: `nan`"),
             (good.replace("<UpperTheta>60", "<UpperTheta>50"), "do not tile"),
@@ -392,14 +395,16 @@ mod tests {
             (good.replacen("0.1, ", "x, ", 1), "number 1: `x`"),
             (good.replacen("0.1, ", "nan, ", 1), "number 1: `nan`"),
             (good.replace("0.1, ", "0, "), "a sheet that is black"),
-            (good[..good.len() - 20].to_owned(), "not XML"),
+            (good[..good.len() - 20].to_owned(), "no whole XML"),
             ("<html></html>".to_owned(), "<html> where <WindowElement>"),
-            (good.replace("<?xml version=\"1.0\"?>", "<!DOCTYPE a [<!ENTITY b \"c\">]>"), "not XML"),
+            (good.replace("<?xml version=\"1.0\"?>", "<!DOCTYPE a [<!ENTITY b \"c\">]>"), "no whole XML"),
         ];
         for (text, words) in cases {
             let error = parsed(&text).unwrap_err().to_string();
             assert!(error.contains(words), "{error}: {words}");
         }
+        // A line before the file is no fault.
+        assert!(parsed(&format!("Recover using: genBSDF\n{good}")).is_ok());
         let straight = |r: usize, c: usize| if r == c { 2.0 } else { 0.0 };
         let pane = parsed(&file(&[("Transmission Front", &straight), ("Reflection Front", &straight)]));
         assert!(pane.unwrap_err().to_string().contains("a clear pane"));
