@@ -46,6 +46,7 @@ pub(super) fn encode(layout: &Layout, x: &[f64], provenance: &str) -> Result<Vec
         thetas: &thetas,
         azimuths: layout.views.azimuths,
         turns: layout.views.turns,
+        axis: 0.0,
         views: &views,
         squeezed: layout.squeezed,
         factors: None,
