@@ -53,7 +53,7 @@ pub struct Settings {
     /// stored albedo bends.
     pub views: Option<usize>,
     /// Angles of the views in radians, rising from 0 to at most pi / 2; at most 1024, of an anisotropic surface 64. Default: `None`,
-    /// they are placed; those of anisotropic surfaces are fixed.
+    /// they are placed; those of anisotropic surfaces follow from their number.
     pub view_angles: Option<Vec<f64>>,
     /// The table of factors that the lobes are multiplied by. Isotropic surfaces only. Default: [`FactorNodes::Chosen`].
     pub factors: FactorNodes,
