@@ -91,6 +91,9 @@ struct SrbfMaterial {       // numbers of the header
     int views;
     int azimuths;           // views of a ring round the normal; 0 in an isotropic material, where a ring is one view
     float turn_views;       // views of a full turn
+    bool is_mirrored;       // whether they stand over a quarter of it, and have mirror images elsewhere
+    float axis_x;           // cosine and sine of the azimuth from which theirs count
+    float axis_y;
     int lobes;
     int squeezed;           // the first lobes
     int mirrored;           // the last lobes, each of which stands for two
@@ -115,6 +118,9 @@ struct SrbfView {           // the mixture for one wo
     vec3 wo;
     float turn_x;
     float turn_y;           // cosine and sine of the azimuth of the plane of incidence, away from wo
+    float along_x;
+    float along_y;          // the same from the axis of the views, of the image in the first quarter where there are mirrors
+    float image;            // -1 where the mixture is the mirror image of that one
     float tilt_x;
     float tilt_y;           // those of the angle from it to the frame of the lobes
     int within_before;      // the views round wo, of the ring within and of the one beyond
@@ -151,6 +157,20 @@ SRBF_FN int srbf_block(const uint32_t *data, int tag) {
     return (at < end ? at + 2 : 0);
 }
 
+// Of angles from -pi to pi, to 1e-7. Built-in ones may be 5e-4 off, which sharp lobes show.
+SRBF_FN SrbfAngle srbf_sin_cos(float angle) {
+    float quarters = srbf_floor(angle * 0.636619772f + 0.5f);
+    float a = (angle - quarters * 1.57079637f) + quarters * 4.37113883e-8f;
+    float q = a * a;
+    float s = a + a * q * (-1.0f / 6.0f + q * (1.0f / 120.0f + q * (-1.0f / 5040.0f + q / 362880.0f)));
+    float c = 1.0f + q * (-0.5f + q * (1.0f / 24.0f + q * (-1.0f / 720.0f + q / 40320.0f)));
+    bool is_odd = srbf_abs(quarters) == 1.0f;
+    SrbfAngle r;
+    r.s = (is_odd ? quarters * c : (quarters == 0.0f ? s : -s));
+    r.c = (is_odd ? -quarters * s : (quarters == 0.0f ? c : -c));
+    return r;
+}
+
 SRBF_FN SrbfMaterial srbf_material(const uint32_t *data) {
     SrbfMaterial m;
     bool is_line = srbf_int(data, 3) == 0;
@@ -162,7 +182,12 @@ SRBF_FN SrbfMaterial srbf_material(const uint32_t *data) {
     m.squeezed = srbf_int(data, 7);
     m.mirrored = (is_line ? srbf_int(data, ring) : 0);
     m.azimuths = (is_line ? 0 : srbf_int(data, ring));
-    m.turn_views = float(m.azimuths * srbf_int(data, ring + 1));
+    int turns = (is_line ? 0 : srbf_int(data, ring + 1) & 65535);
+    m.is_mirrored = turns == 4;
+    m.turn_views = float(turns * (m.is_mirrored ? m.azimuths - 1 : m.azimuths));
+    SrbfAngle axis = srbf_sin_cos((is_line ? 0.0f : float((srbf_int(data, ring + 1) >> 16) & 65535) * 4.79368996e-5f));
+    m.axis_x = axis.c;
+    m.axis_y = axis.s;
     m.views = (is_line ? m.angles : 1 + (m.angles - 1) * m.azimuths);
     m.heads = 12 + m.angles;
     m.head = (is_line ? 4 : 6);
@@ -189,20 +214,6 @@ SRBF_FN SrbfMaterial srbf_material(const uint32_t *data) {
     }
     m.nodes = m.differences + 3 * m.views + 1;
     return m;
-}
-
-// Of angles from -pi to pi, to 1e-7. Built-in ones may be 5e-4 off, which sharp lobes show.
-SRBF_FN SrbfAngle srbf_sin_cos(float angle) {
-    float quarters = srbf_floor(angle * 0.636619772f + 0.5f);
-    float a = (angle - quarters * 1.57079637f) + quarters * 4.37113883e-8f;
-    float q = a * a;
-    float s = a + a * q * (-1.0f / 6.0f + q * (1.0f / 120.0f + q * (-1.0f / 5040.0f + q / 362880.0f)));
-    float c = 1.0f + q * (-0.5f + q * (1.0f / 24.0f + q * (-1.0f / 720.0f + q / 40320.0f)));
-    bool is_odd = srbf_abs(quarters) == 1.0f;
-    SrbfAngle r;
-    r.s = (is_odd ? quarters * c : (quarters == 0.0f ? s : -s));
-    r.c = (is_odd ? -quarters * s : (quarters == 0.0f ? c : -c));
-    return r;
 }
 
 // The angle of a unit vector from z >= 0, at most pi / 2: 2 atan(t) by Hastings (Abramowitz and Stegun 4.4.49), to 5e-8.
@@ -251,12 +262,12 @@ SRBF_FN SrbfLobe srbf_lobe(const SrbfMaterial &m, const SrbfView &v, int k) {
     if (m.azimuths > 0) {
         float y = srbf_within(m, v, m.rows, m.row, m.lobes + j);
         if (v.within_before == 0) {  // the normal's view, which is written in the frame of the surface
-            float turned = x * v.turn_x + y * v.turn_y;
-            y = y * v.turn_x - x * v.turn_y;
+            float turned = x * v.along_x + y * v.along_y;
+            y = y * v.along_x - x * v.along_y;
             x = turned;
         }
         x += (srbf_beyond(m, v, m.rows, m.row, j) - x) * v.outward;
-        y += (srbf_beyond(m, v, m.rows, m.row, m.lobes + j) - y) * v.outward;
+        y = (y + (srbf_beyond(m, v, m.rows, m.row, m.lobes + j) - y) * v.outward) * v.image;
         float angle = srbf_sqrt(x * x + y * y);
         SrbfAngle a = srbf_sin_cos(angle);
         float scale = a.s / srbf_max(angle, 1e-30f);
@@ -288,6 +299,11 @@ SRBF_FN SrbfView srbf_place(const SrbfMaterial &m, vec3 wo) {
     float across = srbf_sqrt(d.x * d.x + d.y * d.y);
     v.turn_x = (across > 1e-18f ? -d.x / srbf_max(across, 1e-18f) : 1.0f);
     v.turn_y = (across > 1e-18f ? -d.y / srbf_max(across, 1e-18f) : 0.0f);
+    v.along_x = v.turn_x * m.axis_x + v.turn_y * m.axis_y;
+    v.along_y = v.turn_y * m.axis_x - v.turn_x * m.axis_y;
+    v.image = (m.is_mirrored && (v.along_x < 0.0f) != (v.along_y < 0.0f) ? -1.0f : 1.0f);
+    v.along_x = (m.is_mirrored ? -srbf_abs(v.along_x) : v.along_x);
+    v.along_y = (m.is_mirrored ? -srbf_abs(v.along_y) : v.along_y);
     float theta = srbf_angle(across, d.z);
     int before = 0;
     int after = m.angles - 1;
@@ -306,12 +322,12 @@ SRBF_FN SrbfView srbf_place(const SrbfMaterial &m, vec3 wo) {
     v.outward = 0.0f;
     if (m.azimuths > 0) {
         // The azimuth of wo, from 0 to 2 pi, in views of a ring.
-        float quarter = srbf_angle(srbf_abs(v.turn_y), srbf_abs(v.turn_x));
-        float upper = (v.turn_x > 0.0f ? 3.14159265f - quarter : quarter);
-        float at = (v.turn_y > 0.0f ? 6.28318531f - upper : upper) * m.turn_views * 0.159154943f;
+        float quarter = srbf_angle(srbf_abs(v.along_y), srbf_abs(v.along_x));
+        float upper = (v.along_x > 0.0f ? 3.14159265f - quarter : quarter);
+        float at = (v.along_y > 0.0f ? 6.28318531f - upper : upper) * m.turn_views * 0.159154943f;
         int whole = srbf_index(at, int(m.turn_views));
-        int first = whole % m.azimuths;
-        int second = (whole + 1) % m.azimuths;
+        int first = (m.is_mirrored ? srbf_clamp(whole, 0, m.azimuths - 1) : whole % m.azimuths);
+        int second = (m.is_mirrored ? srbf_clamp(whole + 1, 0, m.azimuths - 1) : (whole + 1) % m.azimuths);
         v.within_before = (before > 0 ? 1 + (before - 1) * m.azimuths + first : 0);
         v.within_after = (before > 0 ? 1 + (before - 1) * m.azimuths + second : 0);
         v.beyond_before = (after > 0 ? 1 + (after - 1) * m.azimuths + first : 0);
@@ -335,16 +351,16 @@ SRBF_FN SrbfView srbf_prepare(const SrbfMaterial &m, vec3 wo) {
         float xy = srbf_within(m, v, m.heads, 6, 1);
         float yy = srbf_within(m, v, m.heads, 6, 2);
         if (v.within_before == 0) {
-            float cc = v.turn_x * v.turn_x;
-            float cs = v.turn_x * v.turn_y;
-            float ss = v.turn_y * v.turn_y;
+            float cc = v.along_x * v.along_x;
+            float cs = v.along_x * v.along_y;
+            float ss = v.along_y * v.along_y;
             vec3 turned = vec3(cc * xx + ss * yy + 2.0f * cs * xy, cs * (yy - xx) + (cc - ss) * xy, ss * xx + cc * yy - 2.0f * cs * xy);
             xx = turned.x;
             xy = turned.y;
             yy = turned.z;
         }
         xx += (srbf_beyond(m, v, m.heads, 6, 0) - xx) * v.outward;
-        xy += (srbf_beyond(m, v, m.heads, 6, 1) - xy) * v.outward;
+        xy = (xy + (srbf_beyond(m, v, m.heads, 6, 1) - xy) * v.outward) * v.image;
         yy += (srbf_beyond(m, v, m.heads, 6, 2) - yy) * v.outward;
         float h = 0.5f * (xx - yy);
         float reach = srbf_sqrt(h * h + xy * xy);
@@ -566,8 +582,9 @@ inline int srbf_check(const uint32_t *words, size_t count) {
     const int ring = words[2] == 2u ? 9 : 8;
     const bool is_line = words[3] == 0u;
     if (is_line && (words[ring] > words[6] - words[7] || words[ring] + words[6] > 64u)) { return ring + 1; }
-    if (!is_line && (words[ring] < 1u || words[ring] > 64u)) { return ring + 1; }
-    if (!is_line && (words[ring + 1] < 1u || words[ring + 1] > 2u)) { return ring + 2; }
+    const uint32_t turns = words[ring + 1] & 65535u;
+    if (!is_line && turns != 1u && turns != 2u && turns != 4u) { return ring + 2; }
+    if (!is_line && (words[ring] < (turns == 4u ? 2u : 1u) || words[ring] > 64u)) { return ring + 1; }
     // The lobes first, before what stands behind them is looked at.
     const size_t angles = words[5], lobes = words[6], views = is_line ? angles : 1 + (angles - 1) * words[ring];
     const size_t head = is_line ? 4 : 6, row = is_line ? 5 * lobes + words[ring] : 6 * lobes;

@@ -86,7 +86,15 @@ fn grid(count: usize) -> Vec<u8> {
             lobes: &lobes[v],
         })
         .to_vec();
-    let grid = Grid { thetas: &[0.0, 1.2], azimuths: 4, turns: 1, views: &views, squeezed: 2, factors: None };
+    let grid = Grid {
+        thetas: &[0.0, 1.2],
+        azimuths: 4,
+        turns: 1,
+        axis: 0.0,
+        views: &views,
+        squeezed: 2,
+        factors: None,
+    };
     let mut bytes = vec![0; grid.encoded_len("")];
     grid.encode("", &mut bytes).expect("a valid material");
     bytes

@@ -24,7 +24,7 @@ pub fn plain_bytes(material: &Material<impl AsRef<[u8]>>) -> Cow<'_, [u8]> {
         return material.bytes().into();
     }
     let mut bytes = vec![0; material.unpacked_len()];
-    // Codes are of isotropic materials, and there is room.
+    // There is room.
     match material.unpack(&mut bytes) {
         Ok(_) => bytes.into(),
         Err(_) => material.bytes().into(),

@@ -18,8 +18,9 @@ inline int srbf_check(const uint32_t *words, size_t count) {
     const int ring = words[2] == 2u ? 9 : 8;
     const bool is_line = words[3] == 0u;
     if (is_line && (words[ring] > words[6] - words[7] || words[ring] + words[6] > 64u)) { return ring + 1; }
-    if (!is_line && (words[ring] < 1u || words[ring] > 64u)) { return ring + 1; }
-    if (!is_line && (words[ring + 1] < 1u || words[ring + 1] > 2u)) { return ring + 2; }
+    const uint32_t turns = words[ring + 1] & 65535u;
+    if (!is_line && turns != 1u && turns != 2u && turns != 4u) { return ring + 2; }
+    if (!is_line && (words[ring] < (turns == 4u ? 2u : 1u) || words[ring] > 64u)) { return ring + 1; }
     // The lobes first, before what stands behind them is looked at.
     const size_t angles = words[5], lobes = words[6], views = is_line ? angles : 1 + (angles - 1) * words[ring];
     const size_t head = is_line ? 4 : 6, row = is_line ? 5 * lobes + words[ring] : 6 * lobes;

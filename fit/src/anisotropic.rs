@@ -17,12 +17,13 @@ mod start;
 mod table;
 mod tuning;
 
-use crate::anisotropic::grid::{Grid, Layout, Objective};
-use crate::anisotropic::table::TurnedView;
+use crate::anisotropic::grid::{Grid, Layout, MIRRORS, Objective};
+pub(crate) use crate::anisotropic::report::judge as judge_turned;
+pub(crate) use crate::anisotropic::table::TurnedView;
 use crate::anisotropic::tuning::objective::{ENERGY, MEASURE, TAIL};
 use crate::anisotropic::tuning::views::{
-    AT_STORED_VIEWS, AZIMUTHS, BETWEEN, EVERY, IMPROVEMENT, PER_CELL, RINGS, ROUGHNESS, SCOUTING, STARTS,
-    STIFF,
+    AT_STORED_VIEWS, AZIMUTHS, BETWEEN, EVERY, FEWEST_RINGS, FINE, IMPROVEMENT, MOST_RINGS, PAIRED, PER_CELL,
+    REWEIGHED, RINGS, ROUGHNESS, SCOUTING, STARTS, STIFF,
 };
 use crate::clock::Clock;
 use crate::family::objective::{Emphasis, Weighted, Weights};
@@ -33,7 +34,7 @@ use crate::read::Row;
 use crate::table::{Brdf, Density, Symmetry};
 use crate::{Fit, FitError, Settings};
 use rayon::prelude::*;
-use std::f64::consts::{FRAC_PI_2, TAU};
+use std::f64::consts::{FRAC_PI_2, PI};
 use std::sync::atomic::{AtomicUsize, Ordering};
 
 /// Most rings that settings may ask for: 64 x 16 stored views are 80 000 unknowns, minutes a step.
@@ -54,7 +55,12 @@ pub fn judge_at(
     if let Some((theta, _)) = directions.iter().find(|(theta, _)| !(0.0..FRAC_PI_2).contains(theta)) {
         return Err(FitError::Table(format!("view at {} degrees", theta.to_degrees())));
     }
-    report::judge(bytes, &table::tabulate(brdf, directions, JUDGED))
+    report::judge(bytes, &judged_at(brdf, directions), 0.0)
+}
+
+/// A BRDF at outgoing directions, angles from the normal and azimuths in radians, as materials are judged by it.
+pub(crate) fn judged_at(brdf: &dyn Brdf, directions: &[(f64, f64)]) -> Vec<TurnedView> {
+    table::tabulate(brdf, directions, JUDGED)
 }
 
 /// Fits lobes to samples of an anisotropic surface, which a BRDF completes. The report has the samples' own views.
@@ -66,11 +72,11 @@ pub(crate) fn fit_samples(
     rows: &[Row],
     is_light_fixed: bool,
     settings: &Settings,
-    progress: impl FnMut(f64) + Send,
+    progress: &mut (dyn FnMut(f64) + Send),
 ) -> Result<Fit, FitError> {
     let mut fit = fit_brdf(brdf, settings, progress)?;
     if let Some(views) = samples::views(brdf, rows, is_light_fixed) {
-        fit.report.views = report::judge(&fit.bytes, &views)?;
+        fit.report.views = report::judge(&fit.bytes, &views, 0.0)?;
     }
     Ok(fit)
 }
@@ -82,13 +88,16 @@ pub(crate) fn fit_samples(
 pub(crate) fn fit_brdf(
     brdf: &dyn Brdf,
     settings: &Settings,
-    mut progress: impl FnMut(f64) + Send,
+    progress: &mut (dyn FnMut(f64) + Send),
 ) -> Result<Fit, FitError> {
     let clock = Clock::start();
     if settings.view_angles.as_ref().is_some_and(|k| k.len() > MAX_RINGS) {
         return Err(FitError::Setting { name: "view_angles", reason: format!("at most {MAX_RINGS} rings") });
     }
     let layout = layout(brdf.symmetry(), settings);
+    // As it is stored.
+    let axis = libm::round(brdf.axis().rem_euclid(PI) / AXIS_UNIT) % (PI / AXIS_UNIT) * AXIS_UNIT;
+    let brdf: &dyn Brdf = &Along { brdf, azimuth: libm::sincos(axis) };
     let view_angles: Vec<(f64, f64)> = (0..layout.stored_views()).map(|k| layout.views.angles(k)).collect();
     let mut views = table::tabulate(brdf, &view_angles, AT_STORED_VIEWS);
     let at_stored = views.clone();
@@ -103,7 +112,7 @@ pub(crate) fn fit_brdf(
     let stiff = Weights { smoothness: STIFF * smoothness, ..weights };
     let thin = objective.clone().thinned(EVERY);
     let starts = settings.starts.min(STARTS);
-    let total = (SCOUTING + settings.steps) as f64;
+    let total = (SCOUTING + settings.steps + REWEIGHED * (settings.steps / 2)) as f64;
     progress(0.0);
     let evaluations = AtomicUsize::new(0);
     let mut candidates: Vec<(f64, usize, Vec<f64>)> = (0..starts)
@@ -124,17 +133,24 @@ pub(crate) fn fit_brdf(
     drop(thin);
     let mut done = SCOUTING;
     let limits = Limits { steps: settings.steps, improvement: IMPROVEMENT };
-    let (_, ending) = minimize(&Weighted { objective: &objective, weights }, &mut x, limits, || {
+    let mut tick = || {
         done += 1;
-        progress(done as f64 / total);
-    });
+        progress((done as f64 / total).min(1.0));
+    };
+    let (_, mut ending) = minimize(&Weighted { objective: &objective, weights }, &mut x, limits, &mut tick);
+    // Views count by their error then.
+    for _ in 0..REWEIGHED {
+        let objective = objective.clone().reweighed(&x);
+        let limits = Limits { steps: settings.steps / 2, improvement: FINE };
+        ending = minimize(&Weighted { objective: &objective, weights }, &mut x, limits, &mut tick).1;
+    }
 
     let albedo: Vec<_> = placed.iter().map(|(place, view)| (*place, view.albedo)).collect();
     balance::balance(&layout, &mut x, &albedo);
     let text = format!("{}{}", settings.provenance, describe(settings, &layout));
-    let bytes = encode::encode(&layout, &x, &text)?;
+    let bytes = encode::encode(&layout, &x, axis, &text)?;
     let held_out = table::tabulate(brdf, &middles(&layout.views), JUDGED);
-    let judge = |views: &[TurnedView]| report::judge(&bytes, views);
+    let judge = |views: &[TurnedView]| report::judge(&bytes, views, axis);
     let report = Report {
         views: judge(&views)?,
         held_out: judge(&held_out)?,
@@ -147,29 +163,85 @@ pub(crate) fn fit_brdf(
     Ok(Fit { bytes, report })
 }
 
+/// The unit of the axis of a material, radians.
+const AXIS_UNIT: f64 = PI / 65_536.0;
+
+/// A BRDF in a frame whose x lies along its axis; `azimuth`: sine and cosine of that of the axis.
+struct Along<'a> {
+    brdf: &'a dyn Brdf,
+    azimuth: (f64, f64),
+}
+
+impl Brdf for Along<'_> {
+    fn evaluate(&self, wi: [f64; 3], wo: [f64; 3]) -> [f64; 3] {
+        let (s, c) = self.azimuth;
+        let turned = |[x, y, z]: [f64; 3]| [c * x - s * y, c * y + s * x, z];
+        self.brdf.evaluate(turned(wi), turned(wo))
+    }
+
+    fn symmetry(&self) -> Symmetry {
+        self.brdf.symmetry()
+    }
+}
+
 fn layout(symmetry: Symmetry, settings: &Settings) -> Layout {
-    let turns = if symmetry == Symmetry::None { 1 } else { 2 };
-    let default = || RINGS.map(f64::to_radians).to_vec();
-    let thetas = settings.view_angles.clone().unwrap_or_else(default);
+    let (turns, azimuths) = match symmetry {
+        Symmetry::None => (1, 2 * AZIMUTHS),
+        Symmetry::HalfTurn | Symmetry::Isotropic => (2, AZIMUTHS),
+        Symmetry::Quadrant => (MIRRORS, AZIMUTHS / 2 + 1),
+    };
+    let squeezed = settings.squeezed.unwrap_or((3 * settings.lobes).div_ceil(4));
+    let pairs = if turns == MIRRORS { (PAIRED * squeezed as f64) as usize } else { 0 };
+    let bytes = (settings.bytes != Settings::default().bytes).then_some(settings.bytes);
+    let rings = settings.views.map_or(RINGS.len(), |views| 1 + (views - 1).div_ceil(azimuths));
+    let rings = match bytes {
+        Some(bytes) if settings.views.is_none() => {
+            let fits = |rings: &usize| size(*rings, azimuths, settings.lobes) <= bytes;
+            (FEWEST_RINGS..=MOST_RINGS).rev().find(fits).unwrap_or(FEWEST_RINGS)
+        }
+        _ => rings,
+    };
+    let thetas = settings.view_angles.clone().unwrap_or_else(|| ring_angles(rings));
     Layout {
         lobes: settings.lobes,
-        squeezed: settings.squeezed.unwrap_or((3 * settings.lobes).div_ceil(4)),
+        squeezed,
         aside: settings.lobes,
-        views: Grid { thetas, azimuths: AZIMUTHS * 2 / turns, turns },
+        views: Grid { thetas, azimuths, turns, first_pair: squeezed - 2 * pairs, pairs },
     }
+}
+
+/// Bytes of a material without its provenance.
+fn size(rings: usize, azimuths: usize, lobes: usize) -> usize {
+    let views = 1 + (rings - 1) * azimuths;
+    HEAD + 4 * (rings + NUMBERS * views * (1 + lobes))
+}
+
+/// Bytes of a material beside its views, and numbers of the head of a view and of a lobe.
+const HEAD: usize = 52;
+const NUMBERS: usize = 6;
+
+/// As many angles of rings as are asked for, spread as the usual ones are.
+fn ring_angles(count: usize) -> Vec<f64> {
+    let last = RINGS.len() - 1;
+    let angle = |n: usize| {
+        let place = (n * last) as f64 / (count.max(2) - 1) as f64;
+        let before = (place as usize).min(last - 1);
+        let onward = place - before as f64;
+        (RINGS[before] + onward * (RINGS[before + 1] - RINGS[before])).to_radians()
+    };
+    (0..count).map(angle).collect()
 }
 
 /// Outgoing directions at irregular places of every cell, so that errors between stored views are met wherever they are.
 fn between(grid: &Grid) -> Vec<(f64, f64)> {
     let mut directions = Vec::new();
     for (n, rings) in grid.thetas.windows(2).enumerate() {
-        for azimuth in 0..grid.azimuths {
+        for cell in 0..grid.cells() {
             for i in 0..PER_CELL {
                 // The generalised golden ratio of two dimensions (Roberts 2018) fills a square evenly.
-                let index = ((n * grid.azimuths + azimuth) * PER_CELL + i) as f64;
+                let index = ((n * grid.cells() + cell) * PER_CELL + i) as f64;
                 let (u, v) = ((0.754_877_666 * index).fract(), (0.569_840_291 * index).fract());
-                let step = TAU / (grid.turns * grid.azimuths) as f64;
-                directions.push((rings[0] + u * (rings[1] - rings[0]), (azimuth as f64 + v) * step));
+                directions.push((rings[0] + u * (rings[1] - rings[0]), (cell as f64 + v) * grid.step()));
             }
         }
     }
@@ -178,10 +250,9 @@ fn between(grid: &Grid) -> Vec<(f64, f64)> {
 
 /// The middle of every cell.
 fn middles(grid: &Grid) -> Vec<(f64, f64)> {
-    let step = TAU / (grid.turns * grid.azimuths) as f64;
     let cells = grid.thetas.windows(2).flat_map(|w| {
         let theta = 0.5 * (w[0] + w[1]);
-        (0..grid.azimuths).map(move |a| (theta, (a as f64 + 0.5) * step))
+        (0..grid.cells()).map(move |cell| (theta, (cell as f64 + 0.5) * grid.step()))
     });
     cells.collect()
 }
@@ -206,12 +277,15 @@ pub(crate) mod tests {
     use crate::analytic::lambert::Lambert;
     use crate::analytic::ward::Ward;
     use crate::judge::report::mean_error;
+    use std::f64::consts::TAU;
 
     pub(crate) use crate::anisotropic::grid::Grid;
 
     /// Three lobes, two of them squeezed, at two rings of some azimuths.
     pub(crate) fn grid_layout(azimuths: usize, turns: usize) -> Layout {
-        let views = Grid { thetas: vec![0.0, 0.6, 1.2], azimuths, turns };
+        // The squeezed lobes are a pair where there are mirrors.
+        let pairs = usize::from(turns == MIRRORS);
+        let views = Grid { thetas: vec![0.0, 0.6, 1.2], azimuths, turns, first_pair: 0, pairs };
         Layout { lobes: 3, squeezed: 2, aside: 3, views }
     }
 
@@ -236,7 +310,7 @@ pub(crate) mod tests {
         let ward = Ward { diffuse: [0.2, 0.1, 0.05], specular: [0.3; 3], alpha: [0.2, 0.5] };
         let on = |threads| {
             let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
-            pool.install(|| fit_brdf(&ward, &small(), |_| {})).unwrap()
+            pool.install(|| fit_brdf(&ward, &small(), &mut |_| {})).unwrap()
         };
         let (one, three) = (on(1), on(3));
         assert_eq!(one.bytes, three.bytes);
@@ -253,7 +327,7 @@ pub(crate) mod tests {
         // The same lobes for the material turned by a quarter say something else.
         let turned = Ward { alpha: [0.5, 0.2], ..ward };
         let views = table::tabulate(&turned, &[(0.8, 0.1)], AT_STORED_VIEWS);
-        assert!(report::judge(&one.bytes, &views).unwrap()[0].error > 0.2);
+        assert!(report::judge(&one.bytes, &views, 0.0).unwrap()[0].error > 0.2);
     }
 
     /// A brushed metal with a colour outside the gamut: where one channel is bright, another is negative.
@@ -271,7 +345,7 @@ pub(crate) mod tests {
     #[test]
     fn a_channel_below_0_is_met_as_well_as_one_above() {
         let ward = Ward { diffuse: [0.0, 0.2, 0.1], specular: [0.0, 0.3, 0.2], alpha: [0.2, 0.5] };
-        let fit = fit_brdf(&OutOfGamut(ward), &small(), |_| {}).unwrap();
+        let fit = fit_brdf(&OutOfGamut(ward), &small(), &mut |_| {}).unwrap();
         let error = mean_error(&fit.report.held_out);
         println!("{error}");
         assert!(error < 0.1, "{error}");
@@ -295,7 +369,7 @@ pub(crate) mod tests {
         let material = srbf_core::Material::from_bytes(&fit.bytes).unwrap();
         assert!(!material.is_isotropic());
         let views = table::tabulate(&model, &middles(&layout(Symmetry::Quadrant, &small()).views), BETWEEN);
-        let error = mean_error(&report::judge(&fit.bytes, &views).unwrap());
+        let error = mean_error(&report::judge(&fit.bytes, &views, 0.0).unwrap());
         println!("{error}");
         assert!(error < 0.1, "{error}");
     }
@@ -303,28 +377,28 @@ pub(crate) mod tests {
     #[test]
     fn odd_surfaces_end_in_a_material_or_an_error() {
         let settings = Settings { lobes: 2, steps: 3, view_angles: Some(vec![0.0, 0.8]), ..small() };
-        assert!(matches!(fit_brdf(&Odd(|_| 0.0), &settings, |_| {}), Err(FitError::Table(_))));
-        assert!(matches!(fit_brdf(&Odd(|_| f64::NAN), &settings, |_| {}), Err(FitError::Table(_))));
+        assert!(matches!(fit_brdf(&Odd(|_| 0.0), &settings, &mut |_| {}), Err(FitError::Table(_))));
+        assert!(matches!(fit_brdf(&Odd(|_| f64::NAN), &settings, &mut |_| {}), Err(FitError::Table(_))));
         for odd in [
             (|_| 1e6) as fn([f64; 3]) -> f64,
             |d| if d[0] > 0.3 { f64::NAN } else { 0.2 },
             |d| if d[0] > 0.3 { -1.0 } else { 1e-6 },
             |d| if d[0] > 0.299 && d[0] < 0.3 { 1e6 } else { 0.0 },
         ] {
-            let fit = fit_brdf(&Odd(odd), &settings, |_| {}).unwrap();
+            let fit = fit_brdf(&Odd(odd), &settings, &mut |_| {}).unwrap();
             for view in fit.report.views.iter().chain(&fit.report.held_out) {
                 assert!(view.albedo.iter().all(|a| (0.0..=1.0).contains(a)), "{view:?}");
             }
         }
         let many = Settings { view_angles: Some((0..65).map(|i| 0.02 * f64::from(i)).collect()), ..small() };
         let lambert = Lambert { albedo: [0.5; 3] };
-        assert!(matches!(fit_brdf(&lambert, &many, |_| {}), Err(FitError::Setting { .. })));
+        assert!(matches!(fit_brdf(&lambert, &many, &mut |_| {}), Err(FitError::Setting { .. })));
     }
 
     #[test]
     fn every_symmetry_has_its_own_share_of_the_turn() {
         for (symmetry, azimuths, turns) in
-            [(Symmetry::None, 16, 1), (Symmetry::HalfTurn, 8, 2), (Symmetry::Quadrant, 8, 2)]
+            [(Symmetry::None, 16, 1), (Symmetry::HalfTurn, 8, 2), (Symmetry::Quadrant, 5, 4)]
         {
             let layout = layout(symmetry, &Settings::default());
             assert_eq!((layout.views.azimuths, layout.views.turns), (azimuths, turns));

@@ -3,22 +3,24 @@
 //! A part of a material can be cut off, or lobes be fitted again with less of everything. Both are tried, and the nearer
 //! one is taken.
 //!
-//! May import: `fit`, `judge`, `settings`.
+//! May import: `anisotropic`, `fit`, `judge`, `settings`.
 
 mod cut;
 mod forms;
 
 pub use forms::{PackedForm, forms};
 
+use crate::anisotropic::{TurnedView, judge_turned, judged_at};
 use crate::judge::report::{ViewReport, mean_error};
 use crate::judge::spectral::with_map;
 use crate::read::Content;
-use crate::table::{Table, evaluation_views};
+use crate::table::{Symmetry, Table, evaluation_views};
 use crate::{FactorNodes, FitError, Settings, fit_content};
 use srbf_core::{Material, PackOptions};
 
-/// Views that a packed material is judged at.
+/// Views that a packed material is judged at, and of an anisotropic one the azimuth from one to the next, radians.
 const JUDGED_VIEWS: usize = 12;
+const APART: f64 = 2.4;
 
 /// Fewest nodes over the azimuth of a table that is fitted with its sign: three nodes are better used without.
 const FEWEST_SIGNED: usize = 5;
@@ -28,7 +30,13 @@ pub struct Subject<'a> {
     content: &'a Content,
     /// The material that parts are cut off.
     whole: Material<Vec<u8>>,
-    judged: Table,
+    judged: Judged,
+}
+
+/// Views that materials are judged at.
+enum Judged {
+    Isotropic(Table),
+    Anisotropic(Vec<TurnedView>),
 }
 
 /// A packed material.
@@ -55,20 +63,19 @@ impl<'a> Subject<'a> {
     /// Of a measurement and the bytes of its fit; or of a fit alone, whose lobes are the content then.
     ///
     /// # Errors
-    /// [`FitError::Setting`] for an anisotropic material; [`FitError::Format`] for bytes that are none; [`FitError::Table`] for a
-    /// content that is black.
+    /// [`FitError::Format`] for bytes that are none; [`FitError::Table`] for a content that is black.
     pub fn new(content: &'a Content, whole: &[u8]) -> Result<Self, FitError> {
         let whole = Material::from_bytes(whole.to_vec())?;
-        crate::settings::range(
-            "pack",
-            whole.is_isotropic(),
-            "for isotropic materials; this one is anisotropic",
-        )?;
+        let thetas = || evaluation_views::halfway(&evaluation_views::even_views(JUDGED_VIEWS + 1));
         let judged = match content {
-            Content::Samples(table) => table.clone(),
+            Content::Samples(table) => Judged::Isotropic(table.clone()),
+            Content::Evaluable(brdf) if brdf.symmetry() != Symmetry::Isotropic => {
+                // Every ring is seen from another side.
+                let at = thetas().into_iter().enumerate().map(|(n, theta)| (theta, APART * n as f64));
+                Judged::Anisotropic(judged_at(brdf.as_ref(), &at.collect::<Vec<_>>()))
+            }
             Content::Evaluable(brdf) => {
-                let thetas = evaluation_views::halfway(&evaluation_views::even_views(JUDGED_VIEWS + 1));
-                evaluation_views::judging_table(brdf.as_ref(), &thetas)?
+                Judged::Isotropic(evaluation_views::judging_table(brdf.as_ref(), &thetas())?)
             }
         };
         Ok(Self { content, whole, judged })
@@ -85,8 +92,15 @@ impl<'a> Subject<'a> {
     /// [`FitError::Format`] for bytes that are no material.
     pub fn error(&self, bytes: &[u8]) -> Result<f64, FitError> {
         let material = Material::from_bytes(bytes)?;
-        let views = self.judged.views.iter().map(|view| ViewReport::judge(&material, view));
-        Ok(mean_error(&views.collect::<Result<Vec<_>, _>>()?))
+        let views = match &self.judged {
+            Judged::Anisotropic(views) => judge_turned(bytes, views, 0.0)?,
+            Judged::Isotropic(table) => table
+                .views
+                .iter()
+                .map(|view| ViewReport::judge(&material, view))
+                .collect::<Result<Vec<_>, _>>()?,
+        };
+        Ok(mean_error(&views))
     }
 
     /// Packs in a form. Parts are cut off the whole material. If lobes, views or factors go and `fits_again`, lobes are fitted again too,

@@ -53,7 +53,7 @@ pub struct Settings {
     /// stored albedo bends.
     pub views: Option<usize>,
     /// Angles of the views in radians, rising from 0 to at most pi / 2; at most 1024, of an anisotropic surface 64. Default: `None`,
-    /// they are placed; those of anisotropic surfaces are fixed.
+    /// they are placed; those of anisotropic surfaces follow from their number.
     pub view_angles: Option<Vec<f64>>,
     /// The table of factors that the lobes are multiplied by. Isotropic surfaces only. Default: [`FactorNodes::Chosen`].
     pub factors: FactorNodes,
@@ -190,10 +190,8 @@ impl Settings {
     /// [`FitError::Setting`], with the name.
     pub(crate) fn check_anisotropic(&self) -> Result<(), FitError> {
         let reason = "for isotropic surfaces only, and this one is anisotropic";
-        range("views", self.views.is_none(), reason)?;
         range("mirrored", self.mirrored.is_none(), reason)?;
         range("exchanges", self.exchanges == Self::default().exchanges, reason)?;
-        range("bytes", self.bytes == Self::default().bytes, reason)?;
         range("factors", !matches!(self.factors, FactorNodes::Given(_) | FactorNodes::Signed(_)), reason)
     }
 
@@ -318,10 +316,8 @@ mod tests {
         let default = Settings::default;
         assert!(default().check_anisotropic().is_ok());
         for (name, settings) in [
-            ("views", Settings { views: Some(9), ..default() }),
             ("mirrored", Settings { mirrored: Some(0), ..default() }),
             ("exchanges", Settings { exchanges: 3, ..default() }),
-            ("bytes", Settings { bytes: 5000, ..default() }),
             ("factors", Settings { factors: FactorNodes::Given([4, 3, 1]), ..default() }),
         ] {
             let error = settings.check_anisotropic().unwrap_err().to_string();

@@ -296,6 +296,10 @@ impl Brdf for Model {
     fn symmetry(&self) -> Symmetry {
         self.1.map_or(Symmetry::Isotropic, |turn| turn.symmetry())
     }
+
+    fn axis(&self) -> f64 {
+        self.1.map_or(0.0, |turn| turn.axis)
+    }
 }
 
 impl Brdf for Completion {
@@ -310,5 +314,9 @@ impl Brdf for Completion {
 
     fn symmetry(&self) -> Symmetry {
         self.turn.map_or(Symmetry::Isotropic, |turn| turn.symmetry())
+    }
+
+    fn axis(&self) -> f64 {
+        self.turn.map_or(0.0, |turn| turn.axis)
     }
 }

@@ -132,7 +132,7 @@ fn extreme_grid(random: &mut Random) -> Vec<u8> {
         .collect();
     let table = Table::extreme(random, view_count);
     let factors = table.as_ref().map(Table::borrow);
-    let grid = Grid { thetas: &thetas, azimuths, turns, views: &views, squeezed, factors };
+    let grid = Grid { thetas: &thetas, azimuths, turns, axis: 0.0, views: &views, squeezed, factors };
     encoded(grid.encoded_len(SEED), |out| grid.encode(SEED, out))
 }
 

@@ -3,7 +3,7 @@
 
 use glam::{DMat2, DVec2, DVec3, Vec3};
 use srbf_core::{
-    Draws, FactorTable, Grid, GridView, LUMINANCE, Level, Material, Mixture, TiltedLobe, Towards,
+    Draws, FactorTable, Grid, GridView, LUMINANCE, Level, Material, Mixture, PackOptions, TiltedLobe, Towards,
 };
 use srbf_tests::inputs::{Random, levels};
 use srbf_tests::oracle;
@@ -24,6 +24,7 @@ const TEXT: &str = "test, made by tests/anisotropic.rs";
 struct Made {
     azimuths: usize,
     turns: usize,
+    axis: f32,
     views: Vec<([f32; 3], [f32; 3], Vec<TiltedLobe>)>,
 }
 
@@ -43,15 +44,22 @@ impl Made {
         let sharpness: Vec<f32> = (0..LOBES).map(|_| random.between(0.0, sharpest)).collect();
         let views = (0..1 + (THETAS.len() - 1) * azimuths)
             .map(|view| {
+                // In the planes of mirrors lobes are their own images.
+                let is_free =
+                    turns < 4 || view > 0 && !matches!((view - 1) % azimuths, 0) && view % azimuths != 0;
+                let aside = if is_free { 1.0 } else { 0.0 };
                 let theta = if view == 0 { 0.0 } else { THETAS[1 + (view - 1) / azimuths] };
                 let squeeze =
-                    [random.between(-1.5, 1.5), random.between(-1.0, 1.0), random.between(-1.5, 3.0)];
+                    [random.between(-1.5, 1.5), aside * random.between(-1.0, 1.0), random.between(-1.5, 3.0)];
                 let diffuse = [-2.0, random.between(-1.0, 2.0), random.between(-1.0, 3.0)];
                 let lobes = (0..LOBES)
                     .map(|k| {
                         let level = sharpness[k] - 6.0;
                         TiltedLobe {
-                            tilt: [theta + random.between(-0.3, 0.3), random.between(-0.4, 0.4)],
+                            tilt: [
+                                theta + random.between(-0.3, 0.3) * if view == 0 { aside } else { 1.0 },
+                                aside * random.between(-0.4, 0.4),
+                            ],
                             log2_sharpness: sharpness[k] + random.between(-0.5, 0.5),
                             log2_luminance: level,
                             color_differences: [random.between(-1.5, 2.0), random.between(-1.0, 4.0)],
@@ -61,7 +69,9 @@ impl Made {
                 (squeeze, diffuse, lobes)
             })
             .collect();
-        Self { azimuths, turns, views }
+        // Mirrors stand anywhere.
+        let axis = if turns == 4 { 0.1 * seed as f32 } else { 0.0 };
+        Self { azimuths, turns, axis, views }
     }
 
     fn encode(&self) -> Vec<u8> {
@@ -74,6 +84,7 @@ impl Made {
             thetas: &THETAS,
             azimuths: self.azimuths,
             turns: self.turns,
+            axis: self.axis,
             views: &views,
             squeezed: SQUEEZED,
             factors,
@@ -95,12 +106,20 @@ impl Made {
     /// Value and albedo from the documentation, in f64.
     fn truth(&self, wo: DVec3, wi: DVec3) -> (DVec3, DVec3) {
         let theta = wo.x.hypot(wo.y).atan2(wo.z);
-        let phi = wo.y.atan2(wo.x).rem_euclid(TAU);
+        let real = DVec2::from_angle(wo.y.atan2(wo.x) + PI);
+        let axis = (f64::from(self.axis) * 65536.0 / PI).round() * PI / 65536.0;
+        let mut phi = (wo.y.atan2(wo.x) - axis).rem_euclid(TAU);
+        let mut image = 1.0;
+        if self.turns == 4 {
+            let half = phi.rem_euclid(PI);
+            (phi, image) = if half > 0.5 * PI { (PI - half, -1.0) } else { (half, 1.0) };
+        }
         let a = DVec2::from_angle(phi + PI);
         let within = (1..3).rev().find(|&r| f64::from(THETAS[r]) <= theta).unwrap_or(0);
         let (from, to) = (f64::from(THETAS[within]), f64::from(THETAS[within + 1]));
         let outward = ((theta - from) / (to - from)).min(1.0);
-        let along = phi / TAU * (self.azimuths * self.turns) as f64;
+        let steps = self.turns * if self.turns == 4 { self.azimuths - 1 } else { self.azimuths };
+        let along = phi / TAU * steps as f64;
         let onward = along.fract();
         let ring = |ring: usize| {
             if ring == 0 {
@@ -118,7 +137,10 @@ impl Made {
             p.iter().zip(&q).map(|(p, q)| p + onward * (q - p)).collect::<Vec<f64>>()
         };
         let (p, q) = (ring(within), ring(within + 1));
-        let v: Vec<f64> = p.iter().zip(&q).map(|(p, q)| p + outward * (q - p)).collect();
+        let mut v: Vec<f64> = p.iter().zip(&q).map(|(p, q)| p + outward * (q - p)).collect();
+        v[1] *= image;
+        v[6..].chunks_mut(6).for_each(|l| l[1] *= image);
+        let a = real;
 
         // The matrix by its exponential series in the Pauli decomposition: exp(m + t) = e^m (cosh r + sinh r / r t).
         let l = std::f64::consts::LN_2;
@@ -258,6 +280,7 @@ fn what_has_no_place_in_a_material_is_refused_with_its_name() {
             thetas: &THETAS,
             azimuths: made.azimuths,
             turns,
+            axis: made.axis,
             views: &views,
             squeezed: SQUEEZED,
             factors: None,
@@ -268,6 +291,10 @@ fn what_has_no_place_in_a_material_is_refused_with_its_name() {
     assert!(error(65, 1, |_| {}).contains("ring"));
     assert!(error(4, 3, |_| {}).contains("turns"));
     assert!(error(4, 0, |_| {}).contains("turns"));
+    assert!(error(1, 4, |_| {}).contains("ring"));
+    for axis in [-0.1, 3.2, f32::NAN] {
+        assert!(error(4, 1, |m| m.axis = axis).contains("axis"), "{axis}");
+    }
     assert!(error(4, 1, |m| m.azimuths = 5).contains("views"));
     assert!(error(4, 1, |m| m.azimuths = usize::MAX).contains("views"));
     assert!(error(4, 1, |m| m.views[7].2.truncate(2)).contains("lobes"));
@@ -355,7 +382,7 @@ fn every_level_gives_the_f64_values_one_by_one_in_batches_and_in_pairs() {
     for level in levels() {
         level.set().unwrap();
         let mut worst = 0f64;
-        for (seed, azimuths, turns) in [(3, 5, 1), (4, 4, 2), (5, 1, 1), (6, 8, 1)] {
+        for (seed, azimuths, turns) in [(3, 5, 1), (4, 4, 2), (5, 1, 1), (6, 8, 1), (7, 4, 4), (8, 2, 4)] {
             let made = Made::new(seed, azimuths, turns, 9.0);
             let bytes = made.encode();
             let material = Material::from_bytes(&bytes).unwrap();
@@ -412,6 +439,72 @@ fn every_level_gives_the_f64_values_one_by_one_in_batches_and_in_pairs() {
             }
         }
         println!("level {}: worst relative error {worst:.1e}", level.name());
+    }
+    before.set().unwrap();
+}
+
+/// Materials in codes give the values of their plain numbers at every level, and those are near to the numbers of the whole.
+#[test]
+fn codes_are_what_they_unpack_to() {
+    let _guard = LEVEL.lock().unwrap_or_else(|poisoned| poisoned.into_inner());
+    let before = Level::current();
+    for (seed, azimuths, turns) in [(3, 5, 1), (4, 4, 2), (7, 4, 4)] {
+        let whole = Material::from_bytes(Made::new(seed, azimuths, turns, 9.0).encode()).unwrap();
+        for (bits, channels) in [(8, 3), (8, 1), (16, 3), (16, 1)] {
+            let options = PackOptions { bits, channels };
+            let mut bytes = vec![0; whole.packed_len(options, TEXT)];
+            assert_eq!(whole.pack(options, TEXT, &mut bytes), Ok(bytes.len()));
+            assert!(bytes.len() < whole.bytes().len() * 2 / 3, "{options:?}");
+            let small = Material::from_bytes(bytes).unwrap();
+            let mut bytes = vec![0; small.unpacked_len()];
+            assert_eq!(small.unpack(&mut bytes), Ok(whole.bytes().len()));
+            let plain = Material::from_bytes(bytes).unwrap();
+            assert_eq!((small.code_bits(), plain.code_bits()), (Some(bits), None));
+            assert_eq!(small.grid_turns(), whole.grid_turns());
+            for v in 0..whole.view_count() {
+                assert_eq!(small.view_log2_squeeze_matrix(v), plain.view_log2_squeeze_matrix(v));
+                assert!((small.view_theta(v).unwrap() - whole.view_theta(v).unwrap()).abs() < 2e-5);
+                assert_eq!(small.view_azimuth(v), whole.view_azimuth(v));
+                for k in 0..LOBES {
+                    let [a, b, c] = [&small, &plain, &whole].map(|m| m.view_tilted_lobe(v, k).unwrap());
+                    assert_eq!(a, b);
+                    // Half a step of the range of tilts and of the sharpness, and what rounding leaves of the scale.
+                    let most = if bits == 8 { 0.51 / 255.0 } else { 0.51 / 65_535.0 };
+                    let near = |a: f32, c: f32, range: f32| (a - c).abs() <= most * 1.1 * range + 2e-5;
+                    assert!((0..2).all(|i| near(a.tilt[i], c.tilt[i], 2.0)), "{options:?} {a:?} {c:?}");
+                    assert!(near(a.log2_sharpness, c.log2_sharpness, 1.2), "{options:?} {a:?} {c:?}");
+                    if channels == 1 {
+                        assert_eq!(a.color_differences, [0.0; 2]);
+                    }
+                }
+            }
+            for level in levels() {
+                level.set().unwrap();
+                let mut random = Random(seed);
+                for _ in 0..40 {
+                    let (wo, wi) = (random.direction(), random.direction());
+                    let (wo, u) = (wo.with_z(wo.z.abs()), random.three());
+                    let (a, b) = (prepare(&small, wo), prepare(&plain, wo));
+                    assert_eq!(
+                        a.evaluate_and_pdf(wi),
+                        b.evaluate_and_pdf(wi),
+                        "{level:?} {options:?} {wo} {wi}"
+                    );
+                    assert_eq!((a.sample(u), a.albedo()), (b.sample(u), b.albedo()), "{level:?} {options:?}");
+                    let hit = |m: &Material<Vec<u8>>| m.sample_and_evaluate(wo, u, wi);
+                    assert_eq!(hit(&small), hit(&plain), "{level:?} {options:?} {wo} {wi}");
+                }
+            }
+            // Cut off, and with other heads of the block.
+            for end in (0..small.bytes().len()).step_by(7) {
+                assert!(Material::from_bytes(&small.bytes()[..end]).is_err(), "{end}");
+            }
+            for (at, value) in [(48, 9), (49, 2), (50, 1), (44, 1), (40, b'Q')] {
+                let mut damaged = small.bytes().to_vec();
+                damaged[at] = value;
+                assert!(Material::from_bytes(damaged).is_err(), "{at}");
+            }
+        }
     }
     before.set().unwrap();
 }
@@ -484,7 +577,7 @@ fn a_fit_is_drawn_by_its_density_at_every_angle_and_turn() {
 #[test]
 fn mixtures_are_continuous_in_the_outgoing_direction() {
     let mut worst = 0f32;
-    for (seed, azimuths, turns) in [(7, 6, 1), (8, 4, 2), (9, 1, 1)] {
+    for (seed, azimuths, turns) in [(7, 6, 1), (8, 4, 2), (9, 1, 1), (12, 3, 4)] {
         let bytes = Made::new(seed, azimuths, turns, 9.0).encode();
         let material = Material::from_bytes(&bytes).unwrap();
         let mut random = Random(seed);

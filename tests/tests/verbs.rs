@@ -209,7 +209,15 @@ fn anisotropic(random: &mut Random) -> Material<Vec<u8>> {
             lobes,
         })
         .collect();
-    let grid = Grid { thetas: &[0.0, 1.2], azimuths: 4, turns: 1, views: &views, squeezed: 2, factors: None };
+    let grid = Grid {
+        thetas: &[0.0, 1.2],
+        azimuths: 4,
+        turns: 1,
+        axis: 0.0,
+        views: &views,
+        squeezed: 2,
+        factors: None,
+    };
     let mut bytes = vec![0; grid.encoded_len("verbs")];
     grid.encode("verbs", &mut bytes).unwrap();
     Material::from_bytes(bytes).unwrap()

@@ -24,17 +24,32 @@
 //! the share t of the ring, the mixture is `(1 - t) turned(normal, -a) + t ring(a)`. Turned back by a into the frame of the
 //! surface it differs from the normal's by at most `t` times a constant, whatever a is: so it tends to the normal's view from
 //! every side, and at the normal itself, where a is any number, it is that view.
+//!
+//! # Mirrors
+//! Where mirrors change nothing, views stand over a quarter of the turn. An outgoing direction elsewhere has the numbers of its image in
+//! that quarter. In the second and the fourth quarter they are mirrored in the plane of incidence: tilts across it and the mixed
+//! number of the squeeze have the other sign. *At the planes of the mirrors* it is continuous where the lobes there are their own
+//! images, or those of each other.
 
 use super::outgoing::Outgoing;
 use crate::color;
 use crate::material::borrowed::MaterialRef;
-use crate::material::layout::{GRID_HEAD, GRID_ROWS, Shape, f32_at};
+use crate::material::codes::Codes;
+#[cfg(feature = "simd")]
+use crate::material::codes::Counts;
+#[cfg(not(feature = "simd"))]
+use crate::material::codes::TwoViews;
+#[cfg(feature = "simd")]
+use crate::material::layout::MAX_LOBES;
+use crate::material::layout::{AXIS_UNIT, GRID_HEAD, GRID_ROWS, Header, Shape, f32_at};
 use crate::mixture::factors::Among;
 use crate::mixture::leave_out::LeaveOut;
 use crate::mixture::row;
 use crate::mixture::rows::AnyMixture;
 use crate::simd::elementary::{atan2_positive, rare_exp2, sin_cos};
 use crate::simd::lanes::Lanes;
+#[cfg(feature = "simd")]
+use crate::simd::lanes::WIDEST;
 use crate::squeeze::Squeeze;
 use core::f32::consts::PI;
 
@@ -50,27 +65,28 @@ struct Place {
 
 impl Place {
     #[inline(always)]
-    fn new(bytes: &[u8], shape: Shape, thetas: usize, &Outgoing { wo, theta, .. }: &Outgoing) -> Self {
+    fn new(bytes: &[u8], header: &Header, shape: Shape, theta: f32, [x, y]: [f32; 2]) -> Self {
         let (mut within, last) = (0, shape.thetas - 1);
-        while within + 1 < last && f32_at(bytes, thetas + 4 * (within + 1)) <= theta {
+        while within + 1 < last && header.angle(bytes, within + 1) <= theta {
             within += 1;
         }
         let beyond = (within + 1).min(last);
-        let (from, to) = (f32_at(bytes, thetas + 4 * within), f32_at(bytes, thetas + 4 * beyond));
+        let (from, to) = (header.angle(bytes, within), header.angle(bytes, beyond));
         let outward = if to > from { ((theta - from) / (to - from)).clamp(0.0, 1.0) } else { 0.0 };
 
-        // At the normal any azimuth serves; that of `Outgoing` is then this one too.
-        let mut phi = PI;
-        if wo.x * wo.x + wo.y * wo.y >= f32::MIN_POSITIVE {
-            let quarter = atan2_positive(wo.y.abs(), wo.x.abs());
-            let upper = if wo.x < 0.0 { PI - quarter } else { quarter };
-            phi = if wo.y < 0.0 { 2.0 * PI - upper } else { upper };
-        }
-        let scaled = phi * (shape.turns * shape.azimuths) as f32 * (0.5 / PI);
+        // Not both are 0.
+        let quarter = atan2_positive(y.abs(), x.abs());
+        let upper = if x < 0.0 { PI - quarter } else { quarter };
+        let phi = if y < 0.0 { 2.0 * PI - upper } else { upper };
+        let scaled = phi * shape.steps() as f32 * (0.5 / PI);
         let whole = scaled as usize;
         // At least 1 in a checked material: without the bound the compiler adds a panic.
         let azimuths = shape.azimuths.max(1);
-        let along = [whole % azimuths, (whole + 1) % azimuths];
+        let along = if shape.is_mirrored() {
+            [whole.min(azimuths - 1), (whole + 1).min(azimuths - 1)]
+        } else {
+            [whole % azimuths, (whole + 1) % azimuths]
+        };
         Self { rings: [within, beyond], outward, along, onward: scaled - whole as f32 }
     }
 
@@ -85,11 +101,150 @@ impl Place {
     }
 }
 
-/// A number of the head between two views of a ring.
+/// The numbers of a ring's head between two views.
 #[inline(always)]
-fn between(bytes: &[u8], shape: Shape, [a, b]: [usize; 2], onward: f32, i: usize) -> f32 {
-    let (a, b) = (f32_at(bytes, shape.head(a) + 4 * i), f32_at(bytes, shape.head(b) + 4 * i));
-    a + onward * (b - a)
+fn head_between(
+    material: MaterialRef<'_>,
+    shape: Shape,
+    codes: Option<Codes<true>>,
+    views: [usize; 2],
+    onward: f32,
+) -> [f32; GRID_HEAD] {
+    let MaterialRef { bytes, header } = material;
+    let [mut a, mut b] = [[0.0; GRID_HEAD]; 2];
+    if let Some(codes) = codes {
+        [a, b] = codes.two_heads(header.grid_counts(shape), bytes, views);
+    } else {
+        for i in 0..GRID_HEAD {
+            a[i] = f32_at(bytes, shape.head(views[0]) + 4 * i);
+            b[i] = f32_at(bytes, shape.head(views[1]) + 4 * i);
+        }
+    }
+    for i in 0..GRID_HEAD {
+        a[i] += onward * (b[i] - a[i]);
+    }
+    a
+}
+
+/// Numbers of the lobes of a view that was decoded, and some more that a vector may read.
+#[cfg(feature = "simd")]
+const ROOM: usize = GRID_ROWS * MAX_LOBES + WIDEST;
+
+/// Decodes the numbers of lobes of four views, two at a ring, as they would stand in a file.
+#[cfg(feature = "simd")]
+#[cold]
+#[inline(never)]
+fn decoded(bytes: &[u8], codes: Codes<true>, counts: Counts, views: [[usize; 2]; 2]) -> [[f32; ROOM]; 4] {
+    let (mut numbers, count) = ([[0.0; ROOM]; 4], GRID_ROWS * counts.lobes);
+    let [a, b, c, d] = numbers.each_mut().map(|numbers| &mut numbers[..count]);
+    codes.two_views(counts, bytes, views[0]).all(0, [a, b]);
+    codes.two_views(counts, bytes, views[1]).all(0, [c, d]);
+    numbers.as_flattened_mut().iter_mut().for_each(|n| *n = f32::from_bits(n.to_bits().to_le()));
+    numbers
+}
+
+/// Where the numbers of the lobes of four views stand.
+struct Stored<'a> {
+    bytes: &'a [u8],
+    /// Byte offset of the first number of each.
+    at: [[usize; 2]; 2],
+    lobes: usize,
+    /// Codes that are read one by one.
+    #[cfg(not(feature = "simd"))]
+    codes: Option<[TwoViews<'a, true>; 2]>,
+}
+
+impl Stored<'_> {
+    /// Numbers of lobes from the k-th on, between the two views of a ring.
+    #[inline(always)]
+    fn between<L: Lanes>(&self, ring: usize, row: usize, k: usize, onward: L) -> L {
+        #[cfg(not(feature = "simd"))]
+        if let Some(codes) = &self.codes {
+            let [a, b] = codes[ring].numbers(row, k).map(L::splat);
+            return (b - a).mul_add(onward, a);
+        }
+        let offset = 4 * (row * self.lobes + k);
+        let a = load_bytes::<L>(self.bytes, self.at[ring][0] + offset);
+        let b = load_bytes::<L>(self.bytes, self.at[ring][1] + offset);
+        (b - a).mul_add(onward, a)
+    }
+}
+
+/// The part of a mixture that no lobe changes.
+struct Frame {
+    place: Place,
+    views: [[usize; 2]; 2],
+    /// Cosine and sine of the azimuth of +x of the view from the axis, of the image in the first quarter where there are mirrors.
+    along: [f32; 2],
+    /// -1 where the mixture is the mirror image of that one.
+    image: f32,
+    /// Cosine and sine from +x of the view to the frame of the eigenvectors, and the squeeze along both.
+    tilt: [f32; 2],
+    squeeze: [f32; 2],
+}
+
+/// Interpolates the heads of the views round an outgoing direction. One text for all instruction sets: it has no vectors.
+#[inline(never)]
+fn framed(
+    material: MaterialRef<'_>,
+    shape: Shape,
+    codes: Option<Codes<true>>,
+    outgoing: &Outgoing,
+    mixture: &mut AnyMixture<'_>,
+) -> Frame {
+    let MaterialRef { bytes, header } = material;
+    // Along the axis, and in the first quarter if the others are its images: +x of the view points away from the outgoing direction.
+    let [mut c, mut s] = outgoing.azimuth;
+    let mut image = 1.0;
+    if shape.axis != 0 {
+        let (sin, cos) = sin_cos(f32::from(shape.axis) * AXIS_UNIT);
+        (c, s) = (c * cos + s * sin, s * cos - c * sin);
+    }
+    if shape.is_mirrored() {
+        image = if (c < 0.0) == (s < 0.0) { 1.0 } else { -1.0 };
+        (c, s) = (-c.abs(), -s.abs());
+    }
+    let place = Place::new(bytes, header, shape, outgoing.theta, [-c, -s]);
+    let views = [
+        [place.view(shape, 0, 0), place.view(shape, 0, 1)],
+        [place.view(shape, 1, 0), place.view(shape, 1, 1)],
+    ];
+
+    // The squeeze matrix and the diffuse albedo.
+    let mut head = head_between(material, shape, codes, views[0], place.onward);
+    if place.rings[0] == 0 {
+        let [xx, xy, yy] = [head[0], head[1], head[2]];
+        head[0] = c * c * xx + s * s * yy + 2.0 * (c * s) * xy;
+        head[1] = (c * s) * (yy - xx) + (c * c - s * s) * xy;
+        head[2] = s * s * xx + c * c * yy - 2.0 * (c * s) * xy;
+    }
+    let ring = head_between(material, shape, codes, views[1], place.onward);
+    for (head, ring) in head.iter_mut().zip(ring) {
+        *head += place.outward * (ring - *head);
+    }
+    head[1] *= image;
+    mixture.set_diffuse(if header.has_luminance {
+        color::rgb(rare_exp2(head[3]), [head[4], head[5]])
+    } else {
+        [rare_exp2(head[3]), rare_exp2(head[4]), rare_exp2(head[5])]
+    });
+
+    // Eigenvectors: the one closer to the plane of incidence is the new x, at an angle of at most 45 degrees.
+    let (middle, half, xy) = (0.5 * (head[0] + head[2]), 0.5 * (head[0] - head[2]), head[1]);
+    let reach = Lanes::sqrt(half * half + xy * xy);
+    let (mut tilt_cos, mut tilt_sin) = (1.0, 0.0);
+    // The squares of less have lost their digits.
+    if reach > 1e-18 {
+        tilt_cos = Lanes::sqrt(0.5 * (1.0 + half.abs() / reach));
+        tilt_sin = (if half < 0.0 { -xy } else { xy }) / (2.0 * reach * tilt_cos);
+    }
+    let reach = if half < 0.0 { -reach } else { reach };
+    let squeeze = [rare_exp2(middle + reach), rare_exp2(middle - reach)];
+    let [x, y] = outgoing.azimuth;
+    let (x, y) = (x * tilt_cos - y * tilt_sin, y * tilt_cos + x * tilt_sin);
+    let shrink = 1.0 / Lanes::sqrt(x * x + y * y);
+    mixture.head.squeeze = Squeeze::new([x * shrink, y * shrink], squeeze[0], squeeze[1]);
+    Frame { place, views, along: [c, s], image, tilt: [tilt_cos, tilt_sin], squeeze }
 }
 
 /// Interpolates the lobes round an outgoing direction. The mixture has begun, and is to be summed up.
@@ -107,60 +262,35 @@ pub(crate) fn prepare<L: Lanes, const FEW: bool>(
     let (bytes, header) = (material.bytes, material.header);
     let count = header.lobes;
     mixture.head.in_plane = false;
-
-    let place = Place::new(bytes, shape, header.theta(0), outgoing);
-    let [c, s] = outgoing.azimuth;
-    let views = [
-        [place.view(shape, 0, 0), place.view(shape, 0, 1)],
-        [place.view(shape, 1, 0), place.view(shape, 1, 1)],
-    ];
+    let codes = header.codes.map(Codes::of_grid);
+    let Frame { place, views, along: [c, s], image, tilt: [tilt_cos, tilt_sin], squeeze: [along, inverse] } =
+        framed(material, shape, codes, outgoing, mixture);
     let turned = place.rings[0] == 0;
 
-    // The head: squeeze matrix and diffuse albedo.
-    let mut head = [0.0; GRID_HEAD];
-    for i in 0..GRID_HEAD {
-        head[i] = between(bytes, shape, views[0], place.onward, i);
-    }
-    if turned {
-        let [xx, xy, yy] = [head[0], head[1], head[2]];
-        head[0] = c * c * xx + s * s * yy + 2.0 * (c * s) * xy;
-        head[1] = (c * s) * (yy - xx) + (c * c - s * s) * xy;
-        head[2] = s * s * xx + c * c * yy - 2.0 * (c * s) * xy;
-    }
-    for i in 0..GRID_HEAD {
-        let ring = between(bytes, shape, views[1], place.onward, i);
-        head[i] += place.outward * (ring - head[i]);
-    }
-    mixture.set_diffuse(if header.has_luminance {
-        color::rgb(rare_exp2(head[3]), [head[4], head[5]])
+    #[cfg(feature = "simd")]
+    let room;
+    #[cfg(feature = "simd")]
+    let stored = if let Some(codes) = codes {
+        room = decoded(bytes, codes, header.grid_counts(shape), views);
+        let at = [[0, 4 * ROOM], [8 * ROOM, 12 * ROOM]];
+        Stored { bytes: bytemuck::cast_slice(room.as_flattened()), at, lobes: count }
     } else {
-        [rare_exp2(head[3]), rare_exp2(head[4]), rare_exp2(head[5])]
-    });
-
-    // Eigenvectors: the one closer to the plane of incidence is the new x, at an angle of at most 45 degrees.
-    let (middle, half, xy) = (0.5 * (head[0] + head[2]), 0.5 * (head[0] - head[2]), head[1]);
-    let reach = Lanes::sqrt(half * half + xy * xy);
-    let (mut tilt_cos, mut tilt_sin) = (1.0, 0.0);
-    // The squares of less have lost their digits.
-    if reach > 1e-18 {
-        tilt_cos = Lanes::sqrt(0.5 * (1.0 + half.abs() / reach));
-        tilt_sin = (if half < 0.0 { -xy } else { xy }) / (2.0 * reach * tilt_cos);
-    }
-    let reach = if half < 0.0 { -reach } else { reach };
-    let (along, inverse) = (rare_exp2(middle + reach), rare_exp2(middle - reach));
-    let (x, y) = (c * tilt_cos - s * tilt_sin, s * tilt_cos + c * tilt_sin);
-    let shrink = 1.0 / Lanes::sqrt(x * x + y * y);
-    mixture.head.squeeze = Squeeze::new([x * shrink, y * shrink], along, inverse);
-
+        Stored { bytes, at: views.map(|ring| ring.map(|view| shape.row(header, view, 0))), lobes: count }
+    };
+    #[cfg(not(feature = "simd"))]
+    let stored = Stored {
+        bytes,
+        at: views.map(|ring| ring.map(|view| shape.row(header, view, 0))),
+        lobes: count,
+        codes: codes.map(|codes| views.map(|ring| codes.two_views(header.grid_counts(shape), bytes, ring))),
+    };
     let (zero, one) = (L::splat(0.0), L::splat(1.0));
     let (onward, outward) = (L::splat(place.onward), L::splat(place.outward));
     row::for_lobes!(FEW, L, &mut mixture.groups, count, |group, at, k| {
         let valid = L::iota().lt(L::splat((count - k) as f32));
         let mut rows = [zero; GRID_ROWS];
         for row in 0..GRID_ROWS {
-            let a = load_bytes::<L>(bytes, shape.row(header, views[0][0], row) + 4 * k);
-            let b = load_bytes::<L>(bytes, shape.row(header, views[0][1], row) + 4 * k);
-            rows[row] = (b - a).mul_add(onward, a);
+            rows[row] = stored.between(0, row, k, onward);
         }
         if turned {
             let [x, y] = [rows[0], rows[1]];
@@ -168,12 +298,11 @@ pub(crate) fn prepare<L: Lanes, const FEW: bool>(
             rows[1] = y.mul_add(L::splat(c), zero - x * L::splat(s));
         }
         for row in 0..GRID_ROWS {
-            let a = load_bytes::<L>(bytes, shape.row(header, views[1][0], row) + 4 * k);
-            let b = load_bytes::<L>(bytes, shape.row(header, views[1][1], row) + 4 * k);
-            let ring = (b - a).mul_add(onward, a);
+            let ring = stored.between(1, row, k, onward);
             rows[row] = L::select(valid, (ring - rows[row]).mul_add(outward, rows[row]), zero);
         }
 
+        rows[1] = rows[1] * L::splat(image);
         // The axis, in the frame of the eigenvectors; then as squeezed lobes see it.
         let angle = rows[0].mul_add(rows[0], rows[1] * rows[1]).sqrt();
         let (sin, cos) = sin_cos(angle);

@@ -2,7 +2,7 @@
 
 use super::factor_table::{decoded, node_at};
 use super::format_error::FormatError;
-use super::layout::{Header, Kind, f32_at};
+use super::layout::{AXIS_UNIT, Header, Kind, f32_at};
 use super::validate::validate;
 use super::views::{PlaneLobe, TiltedLobe};
 use crate::color::color_differences;
@@ -108,12 +108,19 @@ impl<B: AsRef<[u8]>> Material<B> {
     pub fn view_azimuth(&self, view: usize) -> Option<f32> {
         let azimuth = match self.header.kind {
             Kind::Grid(shape) if view > 0 => {
-                let step = 2.0 * PI / (shape.turns * shape.azimuths) as f32;
-                ((view - 1) % shape.azimuths) as f32 * step
+                let step = 2.0 * PI / shape.steps() as f32;
+                f32::from(shape.axis) * AXIS_UNIT + ((view - 1) % shape.azimuths) as f32 * step
             }
             _ => 0.0,
         };
         (view < self.header.views).then_some(azimuth)
+    }
+
+    /// How often a ring of views is repeated over the full turn, and the azimuth from which views count, radians, as in
+    /// [`Grid`](crate::Grid); `None` of an isotropic material.
+    pub fn grid_turns(&self) -> Option<(usize, f32)> {
+        let Kind::Grid(shape) = self.header.kind else { return None };
+        Some((shape.turns.into(), f32::from(shape.axis) * AXIS_UNIT))
     }
 
     /// Base-2 logarithm of the squeeze of a view; `None` past the end, and in an anisotropic material.
@@ -126,7 +133,8 @@ impl<B: AsRef<[u8]>> Material<B> {
     /// material.
     pub fn view_log2_squeeze_matrix(&self, view: usize) -> Option<[f32; 3]> {
         let Kind::Grid(shape) = self.header.kind else { return None };
-        (view < self.header.views).then(|| [0, 1, 2].map(|i| f32_at(self.bytes(), shape.head(view) + 4 * i)))
+        let number = |i| self.header.grid_head(shape, self.bytes(), view, i).0;
+        (view < self.header.views).then(|| [0, 1, 2].map(number))
     }
 
     /// Base-2 logarithm of the luminance of the albedo of the diffuse term of a view, -126 for none; `None`
@@ -144,7 +152,7 @@ impl<B: AsRef<[u8]>> Material<B> {
     fn view_diffuse(&self, view: usize) -> Option<(f32, [f32; 2])> {
         let number = |i: usize| match self.header.kind {
             Kind::Line => self.header.head_number(self.bytes(), view, 1 + i),
-            Kind::Grid(shape) => f32_at(self.bytes(), shape.head(view) + 4 * (3 + i)),
+            Kind::Grid(shape) => self.header.grid_head(shape, self.bytes(), view, 3 + i).0,
         };
         (view < self.header.views).then(|| self.color([0, 1, 2].map(number)))
     }
@@ -183,7 +191,7 @@ impl<B: AsRef<[u8]>> Material<B> {
         if view >= self.header.views || lobe >= self.header.lobes {
             return None;
         }
-        let number = |row| f32_at(self.bytes(), shape.row(&self.header, view, row) + 4 * lobe);
+        let number = |row| self.header.grid_number(shape, self.bytes(), view, row, lobe).0;
         let (log2_luminance, color_differences) = self.color([3, 4, 5].map(number));
         let tilt = [number(0), number(1)];
         Some(TiltedLobe { tilt, log2_sharpness: number(2), log2_luminance, color_differences })

@@ -9,6 +9,10 @@ pub(crate) const HEADER: usize = 48;
 /// Numbers in the head of a view: squeeze, diffuse albedo in three numbers.
 pub(crate) const HEAD: usize = 4;
 
+/// The same of an anisotropic material: squeeze matrix, diffuse albedo; and its rows of K numbers of a view.
+pub(crate) const GRID_HEAD: usize = 6;
+pub(crate) const GRID_ROWS: usize = 6;
+
 /// A range of bytes, which are there: places are checked before. A program for a small processor needs no code for a panic
 /// then: there bytes that are missing would be none.
 #[inline(always)]

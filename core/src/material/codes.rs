@@ -1,14 +1,13 @@
 //! The numbers of lobes as codes of 8 or 16 bits, read in place; `layout.rs` has the bytes.
 
-use super::bytes::{HEAD, HEADER, part, u16_at};
+use super::bytes::{GRID_HEAD, GRID_ROWS, HEAD, HEADER, part, u16_at};
 use core::f32::consts::FRAC_PI_2;
 
 /// Rows of numbers of a view before the angles out of the plane: angle, sharpness, luminance, two colour differences.
 const ROWS: usize = 5;
 
-/// The same of a grey material, and of its head: squeeze, albedo.
-const GREY_ROWS: usize = 3;
-const GREY_HEAD: usize = 2;
+/// Colour differences, which a grey material does not have in its rows and in its head.
+const COLORS: usize = 2;
 
 /// Bytes of the block before the angles of views.
 pub(crate) const PACK_HEAD: usize = 4;
@@ -19,9 +18,9 @@ pub(crate) const SCALE: usize = 4;
 /// The unit of the angles of views, radians.
 pub(crate) const ANGLE_UNIT: f32 = FRAC_PI_2 / 65_535.0;
 
-/// How codes are stored.
+/// How codes are stored; `GRID`: of views over the hemisphere, which have other numbers.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) struct Codes {
+pub(crate) struct Codes<const GRID: bool = false> {
     /// Bytes of a code: 1 or 2.
     pub bytes: u8,
     /// Whether there are no colour differences.
@@ -31,6 +30,9 @@ pub(crate) struct Codes {
 /// How many of everything a material has.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Counts {
+    /// Angles of views from the normal, and views at each of them but the normal.
+    pub angles: usize,
+    pub azimuths: usize,
     pub views: usize,
     /// Lobes that are stored at a view, and how many of them stand for two.
     pub lobes: usize,
@@ -96,16 +98,34 @@ impl Scale {
 }
 
 impl Codes {
+    /// The same of views over the hemisphere.
+    #[inline(always)]
+    pub const fn of_grid(self) -> Codes<true> {
+        Codes { bytes: self.bytes, is_grey: self.is_grey }
+    }
+}
+
+impl<const GRID: bool> Codes<GRID> {
+    /// Rows of a view, but for angles out of the plane.
+    const ROWS: usize = if GRID { GRID_ROWS } else { ROWS };
+
     /// Numbers of the head of a view that are stored.
     #[inline(always)]
     pub const fn head_len(self) -> usize {
-        if self.is_grey { GREY_HEAD } else { HEAD }
+        let all = if GRID { GRID_HEAD } else { HEAD };
+        if self.is_grey { all - COLORS } else { all }
     }
 
     /// Rows of K numbers of a view that are stored.
     #[inline(always)]
     pub const fn rows(self) -> usize {
-        if self.is_grey { GREY_ROWS } else { ROWS }
+        if self.is_grey { Self::ROWS - COLORS } else { Self::ROWS }
+    }
+
+    /// The number of the angle of a view.
+    #[inline(always)]
+    fn ring(counts: Counts, view: usize) -> usize {
+        if GRID && view > 0 { 1 + (view - 1) / counts.azimuths.max(1) } else { view }
     }
 
     /// Numbers of a view that are stored.
@@ -117,7 +137,7 @@ impl Codes {
     /// Byte offset of the scales of heads.
     #[inline(always)]
     pub const fn head_scales(self, counts: Counts) -> usize {
-        HEADER + PACK_HEAD + 2 * counts.views
+        HEADER + PACK_HEAD + 2 * counts.angles
     }
 
     /// Byte offset of the heads.
@@ -145,12 +165,12 @@ impl Codes {
 
     /// A number of the head of a view: squeeze, diffuse albedo in three numbers.
     pub fn head_number(self, counts: Counts, bytes: &[u8], view: usize, number: usize) -> f32 {
-        if number >= self.head_len() || (number == 0 && view == 0) {
+        if number >= self.head_len() || (!GRID && number == 0 && view == 0) {
             return 0.0;
         }
         let scale = Scale::at(bytes, self.head_scales(counts) + SCALE * number);
         let code = u16_at(bytes, self.head_offset(counts, view) + 2 * number);
-        scale.decode(code, angle(bytes, view))
+        scale.decode(code, angle(bytes, Self::ring(counts, view)))
     }
 
     /// Byte offset of the head of a view.
@@ -177,7 +197,7 @@ impl Codes {
     pub const fn place(self, lobes: usize, row: usize, lobe: usize) -> Option<usize> {
         if row < self.rows() {
             Some(row * lobes + lobe)
-        } else if row < ROWS {
+        } else if row < Self::ROWS {
             None
         } else {
             Some(self.rows() * lobes + lobe)
@@ -186,7 +206,7 @@ impl Codes {
 
     /// Two views, for the numbers of their lobes.
     #[inline(always)]
-    pub fn two_views<'a>(self, counts: Counts, bytes: &'a [u8], views: [usize; 2]) -> TwoViews<'a> {
+    pub fn two_views<'a>(self, counts: Counts, bytes: &'a [u8], views: [usize; 2]) -> TwoViews<'a, GRID> {
         let len = self.view_len(counts);
         let scales = self.scales(counts);
         let rows = views.map(|view| {
@@ -198,22 +218,22 @@ impl Codes {
             lobes: counts.lobes,
             scales: part(bytes, scales..scales + SCALE * len).as_chunks().0,
             rows,
-            angles: views.map(|view| angle(bytes, view)),
+            angles: views.map(|view| angle(bytes, Self::ring(counts, view))),
         }
     }
 
     /// The numbers of the heads of two views.
-    pub fn two_heads(self, counts: Counts, bytes: &[u8], views: [usize; 2]) -> [[f32; HEAD]; 2] {
+    pub fn two_heads<const N: usize>(self, counts: Counts, bytes: &[u8], views: [usize; 2]) -> [[f32; N]; 2] {
         let (scales, len) = (self.head_scales(counts), self.head_len());
         let scales = part(bytes, scales..scales + SCALE * len).as_chunks().0;
-        let mut heads = [[0.0; HEAD]; 2];
+        let mut heads = [[0.0; N]; 2];
         for (head, view) in heads.iter_mut().zip(views) {
-            let (at, angle) = (self.head_offset(counts, view), angle(bytes, view));
+            let (at, angle) = (self.head_offset(counts, view), angle(bytes, Self::ring(counts, view)));
             let codes = part(bytes, at..at + 2 * len).as_chunks().0;
             for ((number, scale), code) in head.iter_mut().zip(scales).zip(codes) {
                 *number = Scale::from_bytes(*scale).decode(u16::from_le_bytes(*code), angle);
             }
-            if view == 0 {
+            if !GRID && view == 0 {
                 head[0] = 0.0;
             }
         }
@@ -229,8 +249,8 @@ impl Codes {
 
 /// The codes of two views.
 #[derive(Clone, Copy)]
-pub(crate) struct TwoViews<'a> {
-    codes: Codes,
+pub(crate) struct TwoViews<'a, const GRID: bool = false> {
+    codes: Codes<GRID>,
     /// Lobes that are stored at a view.
     lobes: usize,
     scales: &'a [[u8; SCALE]],
@@ -239,14 +259,14 @@ pub(crate) struct TwoViews<'a> {
     angles: [f32; 2],
 }
 
-impl TwoViews<'_> {
+impl<const GRID: bool> TwoViews<'_, GRID> {
     /// A number of a lobe at the two views; of row 5 that of a mirrored lobe.
     #[inline(always)]
     pub fn numbers(&self, row: usize, lobe: usize) -> [f32; 2] {
         let Some(place) = self.codes.place(self.lobes, row, lobe) else { return [0.0; 2] };
         // Places are checked when a material is loaded.
         let scale = self.scales.get(place).map_or(Scale::NONE, |scale| Scale::from_bytes(*scale));
-        let at_normal_is_0 = row == 0 || row == ROWS;
+        let at_normal_is_0 = !GRID && (row == 0 || row == ROWS);
         let mut numbers = [0.0; 2];
         for (i, number) in numbers.iter_mut().enumerate() {
             if at_normal_is_0 && self.angles[i] == 0.0 {
@@ -265,7 +285,7 @@ impl TwoViews<'_> {
     /// All numbers of the lobes at the two views, in the order of `LOBE`: for vectors, which have no branch for a number.
     #[inline(always)]
     pub fn all(&self, mirrored: usize, mut to: [&mut [f32]; 2]) {
-        let (stored, all) = (self.codes.rows() * self.lobes, ROWS * self.lobes);
+        let (stored, all) = (self.codes.rows() * self.lobes, Codes::<GRID>::ROWS * self.lobes);
         let together = if self.codes.is_grey { stored } else { all + mirrored };
         self.decode(0, to.each_mut().map(|to| &mut to[..together]));
         if self.codes.is_grey {
@@ -275,7 +295,7 @@ impl TwoViews<'_> {
             self.decode(stored, to.each_mut().map(|to| &mut to[all..all + mirrored]));
         }
         for (to, angle) in to.iter_mut().zip(self.angles) {
-            if angle == 0.0 {
+            if !GRID && angle == 0.0 {
                 to[..self.lobes].fill(0.0);
                 to[all..all + mirrored].fill(0.0);
             }

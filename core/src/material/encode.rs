@@ -4,7 +4,9 @@ use super::checksum::crc32;
 use super::codes::{SCALE, Scale};
 use super::factor_table::FactorTable;
 use super::format_error::{FORMAT_VERSION, FormatError};
-use super::layout::{BLOCK_HEAD, FACT, HEADER, Header, Kind, LOBE, MAGIC, MIRRORED, SPEC, Shape, TEXT};
+use super::layout::{
+    AXIS_UNIT, BLOCK_HEAD, FACT, HEADER, Header, Kind, LOBE, MAGIC, MIRRORED, SPEC, Shape, TEXT,
+};
 use super::spectral_map::SpectralMap;
 use super::validate::validate;
 use super::views::{Grid, Line};
@@ -189,7 +191,9 @@ impl<'a> Writer<'a> {
 
 impl Grid<'_> {
     fn header(&self, provenance: &str) -> (Header, usize) {
-        let shape = Shape { thetas: self.thetas.len(), azimuths: self.azimuths, turns: self.turns };
+        let axis = (self.axis / AXIS_UNIT + 0.5) as u16;
+        let turns = u16::try_from(self.turns).unwrap_or(u16::MAX);
+        let shape = Shape { thetas: self.thetas.len(), azimuths: self.azimuths, turns, axis };
         let header = Header {
             kind: Kind::Grid(shape),
             views: self.views.len(),
@@ -217,12 +221,16 @@ impl Grid<'_> {
     /// a material.
     pub fn encode(&self, provenance: &str, out: &mut [u8]) -> Result<usize, FormatError> {
         let (header, needed) = self.header(provenance);
+        let Kind::Grid(shape) = header.kind else { return Ok(0) };
         self.factors.map_or(Ok(()), |table| table.check(self.views.len(), header.table))?;
         if out.len() < needed {
             return Err(FormatError::Buffer { needed, available: out.len() });
         }
         let field = |name, offset| Err(FormatError::Field { name, offset });
         let (thetas, lobes) = (self.thetas.len(), header.lobes);
+        if !(0.0..core::f32::consts::PI).contains(&self.axis) {
+            return field("axis", MIRRORED + 4);
+        }
         let expected = self.azimuths.checked_mul(thetas.saturating_sub(1)).and_then(|n| n.checked_add(1));
         if thetas == 0 || expected != Some(self.views.len()) {
             return field("number of views", 20);
@@ -230,7 +238,7 @@ impl Grid<'_> {
         if self.views.iter().any(|view| view.lobes.len() != lobes) {
             return field("number of lobes of a view", 24);
         }
-        let fields = [thetas, lobes, self.squeezed, self.azimuths, self.turns];
+        let fields = [thetas, lobes, self.squeezed, self.azimuths, shape.turns_and_axis()];
         let mut writer = Writer::new(out, 1, fields, needed, LOBE);
         self.thetas.iter().for_each(|theta| writer.number(*theta));
         for view in self.views {

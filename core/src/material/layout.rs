@@ -11,7 +11,7 @@
 //! 28  u32       squeezed lobes, the first of the K
 //! 32  u32       mirrored lobes M, the last of the K, each of which stands for two; K + M is at most 64. Of an
 //!               anisotropic material views of a ring P, 1 to 64
-//! 36  u32       0; of an anisotropic material turns, 1 or 2
+//! 36  u32       0; of an anisotropic material u16 turns, 1, 2 or 4; u16 axis
 //! 40  blocks, the first of which is LOBE or PACK; each:
 //!       4 bytes tag, letters
 //!       u32     length of the content in bytes
@@ -39,7 +39,13 @@
 //! # `LOBE`, anisotropic
 //! Views over the hemisphere, on rings round the normal: the first view is the normal itself, each further angle a ring
 //! of P views, at the azimuths 2 pi j / (turns P) of the outgoing direction. Turns say how often a ring is repeated
-//! over the full turn: 2 says that half a turn changes nothing.
+//! over the full turn: 2 says that half a turn changes nothing. 4 says that two mirrors change nothing either, along azimuth 0 and
+//! across it. Then a ring goes from azimuth 0 to a quarter of the turn, at 2 pi j / (4 (P - 1)), P at least 2. Outgoing directions elsewhere
+//! have the mirror images of its mixtures. At both ends lobes are their own images or those of each other; else the mixture
+//! jumps there.
+//!
+//! Azimuths count from the axis, which lies at that number of 65536ths of pi in the frame of the surface; the view of the normal is
+//! written along it too.
 //!
 //! ```text
 //!     T f32     angles of the outgoing directions from the normal, radians, the first 0, rising, at most pi / 2
@@ -54,7 +60,7 @@
 //!
 //! `kernel/prepare_anisotropic.rs` has the meaning of the numbers between the views.
 //!
-//! # `PACK`: the lobes of an isotropic material in codes, in place of `LOBE`
+//! # `PACK`: the lobes in codes, in place of `LOBE`
 //!
 //! A code q of 8 or 16 bits is the number `low + q step`. Low and step are a scale, the same for all views.
 //! Each is two bytes, the upper half of an f32 whose lower half is 0. Where the sign of a step is negative, its magnitude
@@ -64,7 +70,7 @@
 //!     u8        bits of a code in the views, 8 or 16
 //!     u8        channels, 3; or 1 of a grey material, whose colour differences are 0 and not stored
 //!     u16       0
-//!     V u16     angles of the outgoing directions in units of (pi / 2) / 65535
+//!     V u16     angles of the outgoing directions in units of (pi / 2) / 65535; T of an anisotropic material
 //!     scales of the numbers of a head, each 2 of two bytes: low, step
 //!     V heads, each a u16 for every number of a head
 //!     scales of the numbers of a view
@@ -72,7 +78,7 @@
 //! ```
 //!
 //! The numbers of head and view are those of `LOBE`, in the same order. Numbers that have to be 0 in the first view are 0
-//! whatever their code.
+//! whatever their code; of an anisotropic material there are none.
 //!
 //! # `FACT`: a table of factors
 //!
@@ -116,7 +122,7 @@
 //!
 //! Version 1 has the log2 of red, green and blue in place of luminance and colour differences, and no table: 0 at 44.
 
-pub(crate) use super::bytes::{HEAD, HEADER, f32_at, part, u32_at};
+pub(crate) use super::bytes::{GRID_HEAD, GRID_ROWS, HEAD, HEADER, f32_at, part, u32_at};
 use super::codes::{self, Codes, Counts, TwoViews};
 
 /// Most lobes that a mixture can hold, and that a material can make.
@@ -147,12 +153,6 @@ pub(crate) const SPEC: [u8; 4] = *b"spec";
 
 /// Bytes of the content of the block of factors before the albedo differences.
 pub(crate) const TABLE_HEAD: usize = 4;
-
-/// Numbers in the head of a view: squeeze matrix, diffuse albedo in three numbers.
-pub(crate) const GRID_HEAD: usize = 6;
-
-/// Rows of K numbers of a view.
-pub(crate) const GRID_ROWS: usize = 6;
 
 /// The header, once it has been checked.
 #[derive(Clone, Copy, Debug)]
@@ -229,14 +229,19 @@ impl Header {
     }
     #[inline(always)]
     const fn counts(&self) -> Counts {
-        Counts { views: self.views, lobes: self.lobes, mirrored: self.mirrored }
-    }
-    /// Byte offset of the scales of views, of a material in codes.
-    pub const fn scales(&self) -> usize {
-        match self.codes {
-            None => HEADER,
-            Some(codes) => codes.scales(self.counts()),
+        Counts {
+            angles: self.views,
+            azimuths: 1,
+            views: self.views,
+            lobes: self.lobes,
+            mirrored: self.mirrored,
         }
+    }
+    /// The same of views over the hemisphere.
+    #[inline(always)]
+    pub const fn grid_counts(&self, shape: Shape) -> Counts {
+        let Shape { thetas, azimuths, .. } = shape;
+        Counts { angles: thetas, azimuths, views: self.views, lobes: self.lobes, mirrored: 0 }
     }
     /// Two views of a material in codes; `None` of f32.
     #[inline(always)]
@@ -272,6 +277,33 @@ impl Header {
             Some(codes) => codes.head_number(self.counts(), bytes, view, number),
         }
     }
+    /// A number of the head of a view over the hemisphere, and its byte offset.
+    pub fn grid_head(&self, shape: Shape, bytes: &[u8], view: usize, number: usize) -> (f32, usize) {
+        let (counts, at) = (self.grid_counts(shape), shape.head(view) + 4 * number);
+        match self.codes.map(Codes::of_grid) {
+            None => (f32_at(bytes, at), at),
+            Some(codes) => {
+                (codes.head_number(counts, bytes, view, number), codes.head_offset(counts, view) + 2 * number)
+            }
+        }
+    }
+    /// A number of a lobe at a view over the hemisphere, and its byte offset.
+    pub fn grid_number(
+        &self,
+        shape: Shape,
+        bytes: &[u8],
+        view: usize,
+        row: usize,
+        lobe: usize,
+    ) -> (f32, usize) {
+        let (counts, at) = (self.grid_counts(shape), shape.row(self, view, row) + 4 * lobe);
+        match self.codes.map(Codes::of_grid) {
+            None => (f32_at(bytes, at), at),
+            Some(codes) => {
+                (codes.number(counts, bytes, view, row, lobe), codes.number_offset(counts, view, row, lobe))
+            }
+        }
+    }
     /// A number of a lobe at a view of an isotropic material; of row 5 that of a mirrored lobe.
     #[inline(always)]
     pub fn number(&self, bytes: &[u8], view: usize, row: usize, lobe: usize) -> f32 {
@@ -301,7 +333,8 @@ impl Header {
         match (self.kind, self.codes) {
             (Kind::Line, Some(codes)) => codes.end(self.counts()),
             (Kind::Line, None) => self.row(self.views, 0),
-            (Kind::Grid(shape), _) => shape.row(self, self.views, 0),
+            (Kind::Grid(shape), Some(codes)) => codes.of_grid().end(self.grid_counts(shape)),
+            (Kind::Grid(shape), None) => shape.row(self, self.views, 0),
         }
     }
     /// Byte offset of the albedo difference of a view, of a material that has factors.
@@ -349,10 +382,32 @@ pub(crate) const fn padded(offset: usize) -> usize {
 pub(crate) struct Shape {
     pub thetas: usize,
     pub azimuths: usize,
-    pub turns: usize,
+    pub turns: u16,
+    /// Azimuth from which those of views count, in units of [`AXIS_UNIT`].
+    pub axis: u16,
 }
 
+/// The unit of the axis of a grid, radians.
+pub(crate) const AXIS_UNIT: f32 = core::f32::consts::PI / 65_536.0;
+
+/// The turns of a grid that has two mirrors.
+pub(crate) const MIRRORS: u16 = 4;
+
 impl Shape {
+    /// Whether views stand over a quarter of the turn, and have mirror images elsewhere.
+    #[inline(always)]
+    pub const fn is_mirrored(&self) -> bool {
+        self.turns == MIRRORS
+    }
+    /// Turns and axis as they are stored.
+    pub const fn turns_and_axis(&self) -> usize {
+        self.turns as usize | (self.axis as usize) << 16
+    }
+    /// Steps from view to view over the full turn.
+    #[inline(always)]
+    pub const fn steps(&self) -> usize {
+        self.turns as usize * if self.is_mirrored() { self.azimuths - 1 } else { self.azimuths }
+    }
     pub const fn views(&self) -> usize {
         1 + (self.thetas - 1) * self.azimuths
     }

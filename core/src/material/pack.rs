@@ -5,7 +5,7 @@ use super::codes::{ANGLE_UNIT, Codes, Scale};
 use super::encode::Writer;
 use super::factor_table::FactorTable;
 use super::format_error::FormatError;
-use super::layout::{HEAD, HEADER, Header, LOBE, PACK};
+use super::layout::{HEADER, Header, Kind, LOBE, PACK};
 use super::spectral_map::SpectralMap;
 use crate::color::{MOST_DIFFERENCE, luminance};
 use core::f32::consts::{FRAC_PI_2, PI};
@@ -28,24 +28,40 @@ impl Default for PackOptions {
 /// In codes of 8 bits, luminances of a lobe that are this far below its largest one are all the same; base-2 logarithm.
 const DARKEST: f32 = 24.0;
 
-/// Rows of numbers that are 0 in the first view: angles in the plane of incidence, and out of it.
+const COLOR: (f32, f32) = (-MOST_DIFFERENCE, MOST_DIFFERENCE);
+
+/// The numbers of views, with the least and the largest that a reader takes.
+struct Numbers {
+    /// Of a head.
+    head: &'static [(f32, f32)],
+    /// Of each row: of lobes, and those of lobes that stand for two.
+    rows: &'static [(f32, f32)],
+    /// The row of luminances.
+    luminance: usize,
+    /// The first number of a head, and the rows, that are 0 in the first view.
+    zero_head: usize,
+    zero_rows: &'static [usize],
+}
+
+/// The row of angles in the plane of incidence, and of an isotropic material that of angles out of it.
 const ANGLE: usize = 0;
-const LUMINANCE: usize = 2;
 const OFF_PLANE: usize = 5;
 
-/// Least and largest number of each row, as a reader checks them.
-const LIMITS: [(f32, f32); 6] = [
-    (-PI, PI),
-    (-100.0, 26.5),
-    (-126.0, 60.0),
-    (-MOST_DIFFERENCE, MOST_DIFFERENCE),
-    (-MOST_DIFFERENCE, MOST_DIFFERENCE),
-    (-FRAC_PI_2, FRAC_PI_2),
-];
+const ISOTROPIC: Numbers = Numbers {
+    head: &[(-6.64, 1.0), (-126.0, 2.0), COLOR, COLOR],
+    rows: &[(-PI, PI), (-100.0, 26.5), (-126.0, 60.0), COLOR, COLOR, (-FRAC_PI_2, FRAC_PI_2)],
+    luminance: 2,
+    zero_head: 1,
+    zero_rows: &[ANGLE, OFF_PLANE],
+};
 
-/// The same of each number of a head.
-const HEAD_LIMITS: [(f32, f32); HEAD] =
-    [(-6.64, 1.0), (-126.0, 2.0), (-MOST_DIFFERENCE, MOST_DIFFERENCE), (-MOST_DIFFERENCE, MOST_DIFFERENCE)];
+const ANISOTROPIC: Numbers = Numbers {
+    head: &[(-5.0, 6.64), (-6.0, 6.0), (-5.0, 6.64), (-126.0, 2.0), COLOR, COLOR],
+    rows: &[(-PI, PI), (-PI, PI), (-100.0, 26.5), (-126.0, 60.0), COLOR, COLOR],
+    luminance: 3,
+    zero_head: 0,
+    zero_rows: &[],
+};
 
 impl<B: AsRef<[u8]>> Material<B> {
     /// Bits of a number of a lobe, if they are codes: 8 or 16; `None` for f32.
@@ -58,7 +74,7 @@ impl<B: AsRef<[u8]>> Material<B> {
         self.placed(codes_of(options), provenance).1
     }
 
-    /// Writes an isotropic material with 8 or 16 bits a number, in a quarter or half of the bytes; such bytes are read in
+    /// Writes a material with 8 or 16 bits a number, in a quarter or half of the bytes; such bytes are read in
     /// place too. A hit takes 1.35 to 1.5 times as long on a PC, where [`unpack`](Self::unpack) serves.
     ///
     /// A number is off by at most half of 1/255 or 1/65535 of its range over all views, and 1/256 of that. The angle of an
@@ -66,15 +82,9 @@ impl<B: AsRef<[u8]>> Material<B> {
     /// [[`packed_len`](Self::packed_len)], overwritten. Returns: the bytes written.
     ///
     /// # Errors
-    /// [`FormatError::Buffer`] if `out` is too small; [`FormatError::Field`] for an anisotropic material, for options that
-    /// there are not, and for views less than 3e-5 radians apart.
+    /// [`FormatError::Buffer`] if `out` is too small; [`FormatError::Field`] for options that there are not, and for views less
+    /// than 3e-5 radians apart. The same for a squeeze matrix or an axis at the very end of its range.
     pub fn pack(&self, options: PackOptions, provenance: &str, out: &mut [u8]) -> Result<usize, FormatError> {
-        if !self.is_isotropic() {
-            return Err(FormatError::Field {
-                name: "kind (anisotropic materials are not packed)",
-                offset: 12,
-            });
-        }
         if ![8, 16].contains(&options.bits) {
             return Err(FormatError::Field { name: "bits of a code (8 or 16)", offset: HEADER });
         }
@@ -89,19 +99,13 @@ impl<B: AsRef<[u8]>> Material<B> {
         self.placed(None, self.provenance()).1
     }
 
-    /// Writes an isotropic material with plain numbers, which hits on a PC are fastest with, whatever it is stored by.
+    /// Writes a material with plain numbers, which hits on a PC are fastest with, whatever it is stored by.
     ///
     /// Shapes: `out` [[`unpacked_len`](Self::unpacked_len)], overwritten. Returns: the bytes written.
     ///
     /// # Errors
-    /// [`FormatError::Buffer`] if `out` is too small; [`FormatError::Field`] for an anisotropic material.
+    /// [`FormatError::Buffer`] if `out` is too small.
     pub fn unpack(&self, out: &mut [u8]) -> Result<usize, FormatError> {
-        if !self.is_isotropic() {
-            return Err(FormatError::Field {
-                name: "kind (anisotropic materials are never packed)",
-                offset: 12,
-            });
-        }
         self.write(None, self.provenance(), out)
     }
 
@@ -123,9 +127,13 @@ impl<B: AsRef<[u8]>> Material<B> {
         if out.len() < needed {
             return Err(FormatError::Buffer { needed, available: out.len() });
         }
-        let fields = [to.views, to.lobes, to.squeezed, to.mirrored, 0];
         let tag = if codes.is_some() { PACK } else { LOBE };
-        let mut writer = Writer::new(out, 0, fields, needed, tag);
+        let (kind, counts) = match to.kind {
+            Kind::Line => (0, [to.views, to.mirrored, 0]),
+            Kind::Grid(shape) => (1, [shape.thetas, shape.azimuths, shape.turns_and_axis()]),
+        };
+        let fields = [counts[0], to.lobes, to.squeezed, counts[1], counts[2]];
+        let mut writer = Writer::new(out, kind, fields, needed, tag);
         match codes {
             Some(codes) => self.put_codes(codes, &mut writer),
             None => self.put_numbers(&mut writer),
@@ -153,100 +161,121 @@ impl<B: AsRef<[u8]>> Material<B> {
         planes.flat_map(move |(k, i)| (0..differences).filter_map(move |j| self.factor_node(i, j, k)))
     }
 
-    /// The three numbers of a colour, by luminance and differences whatever the version of the bytes; those of a lobe, or of
-    /// the diffuse term.
-    fn stored_color(&self, view: usize, lobe: Option<usize>) -> [f32; 3] {
-        let (log2, [red, blue]) = match lobe {
-            Some(lobe) => self
-                .view_lobe(view, lobe)
-                .map_or((0.0, [0.0; 2]), |l| (l.log2_luminance, l.color_differences)),
-            None => (
-                self.view_log2_diffuse(view).unwrap_or_default(),
-                self.view_diffuse_color_differences(view).unwrap_or_default(),
-            ),
-        };
-        [log2, red, blue]
+    /// The numbers of its views.
+    fn numbers(&self) -> &'static Numbers {
+        if self.is_isotropic() { &ISOTROPIC } else { &ANISOTROPIC }
     }
 
-    /// A number of a head.
-    fn head_number(&self, view: usize, number: usize) -> f32 {
-        match number {
-            0 => self.view_log2_squeeze(view).unwrap_or_default(),
-            _ => self.stored_color(view, None)[number - 1],
+    /// How many angles its views have.
+    fn angle_count(&self) -> usize {
+        match self.header().kind {
+            Kind::Line => self.view_count(),
+            Kind::Grid(shape) => shape.thetas,
         }
     }
 
-    /// A number of a lobe; of row 5 that of a mirrored lobe.
+    /// A number of a head, of a colour by luminance and differences whatever the version of the bytes.
+    fn head_number(&self, view: usize, number: usize) -> f32 {
+        let of_squeeze = self.numbers().head.len() - 3;
+        if let Some(of_color) = number.checked_sub(of_squeeze) {
+            let [red, blue] = self.view_diffuse_color_differences(view).unwrap_or_default();
+            return [self.view_log2_diffuse(view).unwrap_or_default(), red, blue][of_color];
+        }
+        match self.header().kind {
+            Kind::Line => self.view_log2_squeeze(view).unwrap_or_default(),
+            Kind::Grid(shape) => self.header().grid_head(shape, self.bytes(), view, number).0,
+        }
+    }
+
+    /// A number of a lobe, of a colour as in a head; of row 5 of an isotropic material that of a mirrored lobe.
     fn lobe_number(&self, view: usize, row: usize, lobe: usize) -> f32 {
-        match row {
-            2..=4 => self.stored_color(view, Some(lobe))[row - 2],
-            _ => self.header().number(self.bytes(), view, row, lobe),
+        let first = self.numbers().luminance;
+        if (first..first + 3).contains(&row) {
+            let plane = self.view_lobe(view, lobe).map(|l| (l.log2_luminance, l.color_differences));
+            let tilted =
+                || self.view_tilted_lobe(view, lobe).map(|l| (l.log2_luminance, l.color_differences));
+            let (log2, [red, blue]) = plane.or_else(tilted).unwrap_or_default();
+            return [log2, red, blue][row - first];
+        }
+        match self.header().kind {
+            Kind::Line => self.header().number(self.bytes(), view, row, lobe),
+            Kind::Grid(shape) => self.header().grid_number(shape, self.bytes(), view, row, lobe).0,
         }
     }
 
     /// Lobes of a row.
     fn row_len(&self, row: usize) -> usize {
-        if row == OFF_PLANE { self.mirrored_count() } else { self.view_lobe_count() }
+        if self.is_isotropic() && row == OFF_PLANE { self.mirrored_count() } else { self.view_lobe_count() }
+    }
+
+    /// The angle of number `n` from the normal.
+    fn angle(&self, n: usize) -> f32 {
+        self.header().angle(self.bytes(), n)
     }
 
     fn put_numbers(&self, writer: &mut Writer<'_>) {
-        let views = self.view_count();
-        (0..views).for_each(|view| writer.number(self.view_theta(view).unwrap_or_default()));
+        let (views, numbers) = (self.view_count(), self.numbers());
+        (0..self.angle_count()).for_each(|n| writer.number(self.angle(n)));
         for view in 0..views {
-            (0..HEAD).for_each(|i| writer.number(self.head_number(view, i)));
+            (0..numbers.head.len()).for_each(|i| writer.number(self.head_number(view, i)));
         }
         for view in 0..views {
-            for row in 0..=OFF_PLANE {
+            for row in 0..numbers.rows.len() {
                 (0..self.row_len(row)).for_each(|lobe| writer.number(self.lobe_number(view, row, lobe)));
             }
         }
     }
 
     fn put_codes(&self, codes: Codes, writer: &mut Writer<'_>) {
-        let views = self.view_count();
+        let (views, numbers) = (self.view_count(), self.numbers());
         writer.put(&[8 * codes.bytes, if codes.is_grey { 1 } else { 3 }, 0, 0]);
-        let angle_code = |view| (self.view_theta(view).unwrap_or_default() / ANGLE_UNIT + 0.5) as u16;
-        let angle = |view: usize| f32::from(angle_code(view)) * ANGLE_UNIT;
-        (0..views).for_each(|view| writer.put(&angle_code(view).to_le_bytes()));
+        let angle_code = |angle: f32| (angle / ANGLE_UNIT + 0.5) as u16;
+        let angle =
+            |view: usize| f32::from(angle_code(self.view_theta(view).unwrap_or_default())) * ANGLE_UNIT;
+        (0..self.angle_count()).for_each(|n| writer.put(&angle_code(self.angle(n)).to_le_bytes()));
 
+        let grey = if codes.is_grey { 2 } else { 0 };
+        let head_len = numbers.head.len() - grey;
         let head_scale = |i: usize| {
-            let first = usize::from(i == 0);
+            let first = usize::from(i < numbers.zero_head);
             Scale::over((first..views).map(|view| self.head_number(view, i)), u16::MAX)
         };
-        (0..codes.head_len()).for_each(|i| writer.put(&head_scale(i).to_bytes()));
+        (0..head_len).for_each(|i| writer.put(&head_scale(i).to_bytes()));
         for view in 0..views {
-            for (i, limits) in HEAD_LIMITS.iter().enumerate().take(codes.head_len()) {
+            for (i, limits) in numbers.head.iter().enumerate().take(head_len) {
                 let code = head_scale(i).encode(self.head_number(view, i), 0.0, u16::MAX, *limits);
                 writer.put(&code.to_le_bytes());
             }
         }
 
         let most = if codes.bytes == 1 { u16::from(u8::MAX) } else { u16::MAX };
-        let rows = || (0..codes.rows()).chain([OFF_PLANE]);
+        // Colour differences come behind the luminances.
+        let colors = numbers.luminance + 1..numbers.luminance + 1 + grey;
+        let rows = || (0..numbers.rows.len()).filter(|row| !colors.contains(row));
         let lobe_scale = |row: usize, lobe: usize| {
-            let first = usize::from(row == ANGLE || row == OFF_PLANE);
-            let numbers = (first..views).map(|view| self.lobe_number(view, row, lobe));
-            if row == LUMINANCE && codes.bytes == 1 {
-                let brightest = numbers.clone().fold(-126.0, f32::max);
-                return Scale::over(numbers.map(|n| n.max(brightest - DARKEST)), most);
+            let first = usize::from(numbers.zero_rows.contains(&row));
+            let of_views = (first..views).map(|view| self.lobe_number(view, row, lobe));
+            if row == numbers.luminance && codes.bytes == 1 {
+                let brightest = of_views.clone().fold(-126.0, f32::max);
+                return Scale::over(of_views.map(|n| n.max(brightest - DARKEST)), most);
             }
-            let scale = Scale::over(numbers, most);
+            let scale = Scale::over(of_views, most);
             let onward = (first..views).map(|view| self.lobe_number(view, row, lobe) - angle(view));
             let relative = Scale { is_relative: true, ..Scale::over(onward, most) };
             if row == ANGLE && relative.step < scale.step { relative } else { scale }
         };
+        let start = writer.at;
         for row in rows() {
             (0..self.row_len(row)).for_each(|lobe| writer.put(&lobe_scale(row, lobe).to_bytes()));
         }
         // Scales are known from the bytes: to look for them again at every view would take its square.
-        let (to, _) = self.placed(Some(codes), "");
         for view in 0..views {
             let mut place = 0;
             for row in rows() {
                 for lobe in 0..self.row_len(row) {
-                    let scale = writer.scale_at(to.scales(), place);
+                    let scale = writer.scale_at(start, place);
                     let code =
-                        scale.encode(self.lobe_number(view, row, lobe), angle(view), most, LIMITS[row]);
+                        scale.encode(self.lobe_number(view, row, lobe), angle(view), most, numbers.rows[row]);
                     writer.put(&code.to_le_bytes()[..codes.bytes.into()]);
                     place += 1;
                 }

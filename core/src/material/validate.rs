@@ -5,8 +5,8 @@ use super::codes::{Codes, PACK_HEAD};
 use super::factor_table::{AZIMUTHS, LEAST_LARGEST, MOST_FACTOR, SIZES, largest_2};
 use super::format_error::{FORMAT_VERSION, FormatError};
 use super::layout::{
-    BLOCK_HEAD, BLOCKS, CHECKSUM, FACT, Header, Kind, LOBE, MAGIC, MAX_LOBES, MIRRORED, PACK, SMALLEST, SPEC,
-    Shape, TABLE_HEAD, TEXT, f32_at, padded, part, u32_at,
+    BLOCK_HEAD, BLOCKS, CHECKSUM, FACT, Header, Kind, LOBE, MAGIC, MAX_LOBES, MIRRORED, MIRRORS, PACK,
+    SMALLEST, SPEC, Shape, TABLE_HEAD, TEXT, f32_at, padded, part, u32_at,
 };
 use super::spectral_map::SpectralMap;
 use crate::color::MOST_DIFFERENCE;
@@ -187,7 +187,7 @@ fn read_blocks(bytes: &[u8], mut header: Header) -> Result<Header, FormatError> 
             }
             LOBE => {}
             PACK => {
-                header.codes = Some(read_codes(part(bytes, start..start + length), header.kind, start)?);
+                header.codes = Some(read_codes(part(bytes, start..start + length), start)?);
                 if start + length != header.lobes_end() {
                     return field("length of the block of lobes", at + 4);
                 }
@@ -222,12 +222,9 @@ fn read_blocks(bytes: &[u8], mut header: Header) -> Result<Header, FormatError> 
 }
 
 /// How the codes are stored of a block that starts at an offset.
-fn read_codes(block: &[u8], kind: Kind, offset: usize) -> Result<Codes, FormatError> {
+fn read_codes(block: &[u8], offset: usize) -> Result<Codes, FormatError> {
     let field = |name, at| Err(FormatError::Field { name, offset: offset + at });
     let [bits, channels, rest @ ..] = block else { return field("bits of a code (cut off)", 0) };
-    if kind != Kind::Line {
-        return field("tag of a block (codes are for isotropic materials)", 0);
-    }
     if ![8, 16].contains(bits) {
         return field("bits of a code (8 or 16)", 0);
     }
@@ -341,12 +338,14 @@ fn validate_views(bytes: &[u8], header: &Header) -> Result<(), FormatError> {
 /// checked.
 fn read_shape(bytes: &[u8], ring: usize) -> Result<(Kind, usize), FormatError> {
     let count = |offset| u32_at(bytes, offset) as usize;
-    let shape = Shape { thetas: count(20), azimuths: count(ring), turns: count(ring + 4) };
-    if !(1..=MAX_AZIMUTHS).contains(&shape.azimuths) || shape.views() > MAX_GRID_VIEWS {
-        return Err(FormatError::Field { name: "number of views of a ring", offset: ring });
-    }
-    if !(1..=2).contains(&shape.turns) {
+    let (turns, axis) = (count(ring + 4) as u16, (count(ring + 4) >> 16) as u16);
+    let shape = Shape { thetas: count(20), azimuths: count(ring), turns, axis };
+    if !matches!(turns, 1 | 2 | MIRRORS) {
         return Err(FormatError::Field { name: "turns", offset: ring + 4 });
+    }
+    let fewest = if shape.is_mirrored() { 2 } else { 1 };
+    if !(fewest..=MAX_AZIMUTHS).contains(&shape.azimuths) || shape.views() > MAX_GRID_VIEWS {
+        return Err(FormatError::Field { name: "number of views of a ring", offset: ring });
     }
     Ok((Kind::Grid(shape), shape.views()))
 }
@@ -354,30 +353,32 @@ fn read_shape(bytes: &[u8], ring: usize) -> Result<(Kind, usize), FormatError> {
 /// Checks heads and lobes of every view.
 fn validate_grid(bytes: &[u8], header: &Header, shape: Shape) -> Result<(), FormatError> {
     for view in 0..header.views {
-        let head = shape.head(view);
-        let [xx, xy, yy] = [0, 1, 2].map(|i| f32_at(bytes, head + 4 * i));
+        let head = |i| header.grid_head(shape, bytes, view, i);
+        let [(xx, offset), (xy, _), (yy, _)] = [0, 1, 2].map(head);
         let (middle, half) = (0.5 * (xx + yy), 0.5 * (xx - yy));
         let reach = float::sqrt(half * half + xy * xy);
         // False for NaN too.
         if !(middle - reach >= SQUEEZE.0 && middle + reach <= SQUEEZE.1) {
-            return Err(FormatError::Field { name: "squeeze matrix", offset: head });
+            return Err(FormatError::Field { name: "squeeze matrix", offset });
         }
         for number in 0..3 {
             let (low, high) = color_bounds(header, number, 2.0);
-            check(bytes, "diffuse albedo", head + 4 * (3 + number), low, high)?;
+            let (found, offset) = head(3 + number);
+            is_inside("diffuse albedo", found, offset, low, high)?;
         }
         for lobe in 0..header.lobes {
-            let at = |row| shape.row(header, view, row) + 4 * lobe;
-            let [along, across] = [f32_at(bytes, at(0)), f32_at(bytes, at(1))];
+            let at = |row| header.grid_number(shape, bytes, view, row, lobe);
+            let [(along, offset), (across, _)] = [at(0), at(1)];
             // False for NaN too.
             let inside = along * along + across * across <= PI * PI;
             if !inside {
-                return Err(FormatError::Field { name: "angle of an axis", offset: at(0) });
+                return Err(FormatError::Field { name: "angle of an axis", offset });
             }
-            check(bytes, "sharpness", at(2), -100.0, 26.5)?;
+            let check = |name, row, low, high| is_inside(name, at(row).0, at(row).1, low, high);
+            check("sharpness", 2, -100.0, 26.5)?;
             for number in 0..3 {
                 let (low, high) = color_bounds(header, number, 60.0);
-                check(bytes, "amplitude", at(3 + number), low, high)?;
+                check("amplitude", 3 + number, low, high)?;
             }
         }
     }

@@ -129,7 +129,7 @@ pub struct GridView<'a> {
 /// };
 /// let (along, across) = ([1.0, 0.0, 0.0], [0.0, 0.0, 1.0]);
 /// let views = [view(&up, along), view(&aside, along), view(&aside, across), view(&aside, along), view(&aside, across)];
-/// let grid = Grid { thetas: &[0.0, 1.0], azimuths: 4, turns: 1, views: &views, squeezed: 1, factors: None };
+/// let grid = Grid { thetas: &[0.0, 1.0], azimuths: 4, turns: 1, axis: 0.0, views: &views, squeezed: 1, factors: None };
 /// let mut bytes = vec![0; grid.encoded_len("brushed")];
 /// grid.encode("brushed", &mut bytes)?;
 ///
@@ -144,10 +144,15 @@ pub struct GridView<'a> {
 pub struct Grid<'a> {
     /// Angles of the rings from the normal, radians; the first is 0, the normal itself.
     pub thetas: &'a [f32],
-    /// Views of a ring, at the azimuths `2 pi j / (turns azimuths)` of the outgoing direction.
+    /// Views of a ring, at the azimuths `axis + 2 pi j / (turns azimuths)` of the outgoing direction; with mirrors at
+    /// `axis + 2 pi j / (4 (azimuths - 1))`, at least 2.
     pub azimuths: usize,
-    /// How often a ring is repeated over the full turn, 1 or 2.
+    /// How often a ring is repeated over the full turn, 1 or 2; or 4, where mirrors along the axis and across it leave the surface as it
+    /// is. Then the views of a ring stand over a quarter of the turn. The first and the last of them lie in the planes of the mirrors. There
+    /// lobes are their own mirror images, or those of each other.
     pub turns: usize,
+    /// Azimuth from which those of the views count, radians, in [0, pi): a multiple of pi / 65536, to which it is rounded.
+    pub axis: f32,
     /// The normal, then ring by ring.
     pub views: &'a [GridView<'a>],
     /// Number of lobes that see the squeezed direction; they come first.

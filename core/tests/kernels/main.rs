@@ -424,7 +424,8 @@ fn an_anisotropic_material_of_equal_azimuths_is_isotropic() {
     let views: Vec<GridView> =
         std::iter::once(view(0)).chain((1..4).flat_map(|ring| (0..5).map(move |_| ring)).map(view)).collect();
     let thetas: Vec<f32> = (0..4).map(|view| line.view_theta(view).unwrap()).collect();
-    let grid = Grid { thetas: &thetas, azimuths: 5, turns: 1, views: &views, squeezed: 3, factors: None };
+    let grid =
+        Grid { thetas: &thetas, azimuths: 5, turns: 1, axis: 0.0, views: &views, squeezed: 3, factors: None };
     let mut bytes = vec![0; grid.encoded_len("")];
     grid.encode("", &mut bytes).unwrap();
     let grid = Material::from_bytes(bytes).unwrap();
@@ -476,8 +477,15 @@ fn an_anisotropic_material_is_linear_round_its_rings() {
         lobes,
     };
     let views: Vec<GridView> = lobes.iter().map(|lobes| view(&lobes[..])).collect();
-    let grid =
-        Grid { thetas: &THETAS, azimuths: AZIMUTHS, turns: 1, views: &views, squeezed: 0, factors: None };
+    let grid = Grid {
+        thetas: &THETAS,
+        azimuths: AZIMUTHS,
+        turns: 1,
+        axis: 0.0,
+        views: &views,
+        squeezed: 0,
+        factors: None,
+    };
     let mut bytes = vec![0; grid.encoded_len("")];
     grid.encode("", &mut bytes).unwrap();
     let material = Material::from_bytes(bytes).unwrap();

@@ -46,15 +46,26 @@ impl Random {
 
 /// A brushed metal, on rings of views.
 pub fn brushed() -> Vec<u8> {
-    let (thetas, azimuths) = ([0.0, 0.5, 1.0, 1.4], 8);
+    on_rings(8, 2, 0.0)
+}
+
+/// The same with mirrors, which stand along an axis.
+pub fn mirrored() -> Vec<u8> {
+    on_rings(4, 4, 0.7)
+}
+
+fn on_rings(azimuths: usize, turns: usize, axis: f32) -> Vec<u8> {
+    let thetas = [0.0, 0.5, 1.0, 1.4];
+    let step = std::f32::consts::TAU / (turns * if turns == 4 { azimuths - 1 } else { azimuths }) as f32;
     let views: Vec<(f32, f32)> = std::iter::once((0.0, 0.0))
-        .chain((0..24).map(|i| (thetas[1 + i / 8], std::f32::consts::PI * (i % 8) as f32 / 8.0)))
+        .chain((0..3 * azimuths).map(|i| (thetas[1 + i / azimuths], step * (i % azimuths) as f32)))
         .collect();
     let lobes: Vec<Vec<TiltedLobe>> = views
         .iter()
         .map(|(theta, azimuth)| {
             let lobe = |k: usize| TiltedLobe {
-                tilt: [theta * (0.8 + 0.1 * k as f32), 0.1 * theta * azimuth.sin()],
+                // 0 in the planes of the mirrors.
+                tilt: [theta * (0.8 + 0.1 * k as f32), 0.1 * theta * (0.5 * turns as f32 * azimuth).sin()],
                 log2_sharpness: 8.0 - k as f32,
                 log2_luminance: -0.9 - k as f32,
                 color_differences: [-0.1, -0.3],
@@ -71,7 +82,7 @@ pub fn brushed() -> Vec<u8> {
             GridView { log2_squeeze, log2_diffuse: -4.3, diffuse_color_differences: [-0.4, -0.7], lobes }
         })
         .collect();
-    let grid = Grid { thetas: &thetas, azimuths, turns: 2, views: &made, squeezed: 3, factors: None };
+    let grid = Grid { thetas: &thetas, azimuths, turns, axis, views: &made, squeezed: 3, factors: None };
     let mut bytes = vec![0; grid.encoded_len("made by tests")];
     let written = grid.encode("made by tests", &mut bytes).expect("the material is valid");
     bytes.truncate(written);
@@ -235,6 +246,7 @@ fn cpp_and_metal_say_what_the_library_says() {
     assert!(materials.len() >= 3);
     for (name, bytes) in [
         ("brushed", brushed()),
+        ("brushed, with mirrors", mirrored()),
         ("factored", factored(false)),
         ("signed", factored(true)),
         ("spectral", spectral(false)),

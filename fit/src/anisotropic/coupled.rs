@@ -1,9 +1,23 @@
 //! The matrix of a step of an anisotropic fit: each stored view is coupled with those round it, and conjugate gradients solve it.
 
-use crate::anisotropic::grid::{CellPlace, Layout};
+use crate::anisotropic::grid::{CellPlace, Layout, Stored};
 use crate::anisotropic::tuning::objective::{INNER_STEPS, TOLERANCE};
 use crate::family::matrix::{Block, Matrix};
 use crate::numeric::blocks::Blocks;
+
+/// A block between two stored views, by the unknowns of both.
+fn mapped(layout: &Layout, block: &[f64], (row, column): (Stored, Stored), azimuth: [f64; 2]) -> Vec<f64> {
+    let p = layout.stride();
+    let mut matrix = block.to_vec();
+    matrix.chunks_exact_mut(p).for_each(|line| layout.by_stored(line, column, azimuth));
+    let mut line = vec![0.0; p];
+    for j in (0..p).filter(|_| row != Stored::AsTheyAre) {
+        (0..p).for_each(|i| line[i] = matrix[i * p + j]);
+        layout.by_stored(&mut line, row, azimuth);
+        (0..p).for_each(|i| matrix[i * p + j] = line[i]);
+    }
+    matrix
+}
 
 /// The matrix.
 pub(crate) struct Coupled(Blocks);
@@ -22,34 +36,21 @@ impl Matrix<Layout, CellPlace> for Coupled {
     fn add_view(&mut self, layout: &Layout, block: &Block<CellPlace>, gradient: &mut [f64]) {
         let (p, azimuth) = (layout.stride(), block.place.azimuth);
         let corners = block.place.stored();
-        // By the unknowns of the normal, where it is one of the corners: turned gradient, H R, R^T H R.
-        let is_turned = corners.iter().any(|c| c.0 == 0);
-        let (mut half, mut both) = (Vec::new(), Vec::new());
-        if is_turned {
-            half.clone_from(&block.matrix);
-            half.chunks_exact_mut(p).for_each(|row| layout.turn_transposed(row, azimuth));
-            both = vec![0.0; p * p];
-            let mut column = vec![0.0; p];
-            for j in 0..p {
-                (0..p).for_each(|i| column[i] = half[i * p + j]);
-                layout.turn_transposed(&mut column, azimuth);
-                (0..p).for_each(|i| both[i * p + j] = column[i]);
-            }
-        }
+        // By the unknowns of stored views whose own follow by a linear map: L^T g, and M^T H L of two.
+        let way = |stored: usize| layout.views.stored(stored);
+        let mut known: Vec<((Stored, Stored), Vec<f64>)> = Vec::new();
         for (n, &(a, share_a)) in corners.iter().enumerate() {
-            let mut turned = block.gradient.clone();
-            if a == 0 {
-                layout.turn_transposed(&mut turned, azimuth);
-            }
+            let mut own = block.gradient.clone();
+            layout.by_stored(&mut own, way(a), azimuth);
             let to = &mut gradient[a * p..(a + 1) * p];
-            to.iter_mut().zip(&turned).for_each(|(t, g)| *t += share_a * g);
+            to.iter_mut().zip(&own).for_each(|(t, g)| *t += share_a * g);
             for &(b, share_b) in &corners[..=n] {
                 let (row, column) = (a.max(b), a.min(b));
-                let from = match (row, column) {
-                    (0, 0) => &both,
-                    (_, 0) => &half,
-                    _ => &block.matrix,
-                };
+                let ways = (way(row), way(column));
+                if ways != (Stored::AsTheyAre, Stored::AsTheyAre) && known.iter().all(|k| k.0 != ways) {
+                    known.push((ways, mapped(layout, &block.matrix, ways, azimuth)));
+                }
+                let from = known.iter().find(|k| k.0 == ways).map_or(&block.matrix, |k| &k.1);
                 let share = share_a * share_b;
                 let sums = self.0.block(row, column);
                 sums.iter_mut().zip(from).for_each(|(b, v)| *b += share * v);

@@ -1,22 +1,26 @@
 //! From the fitted unknowns of an anisotropic material to `.srbf` bytes.
 
 use crate::FitError;
-use crate::anisotropic::grid::Layout;
+use crate::anisotropic::grid::{Layout, Stored};
 use crate::anisotropic::tuning::encode::LOOKS;
 use crate::family::layout::stored_log2;
 use crate::family::tuning::encode::MOST;
 use srbf_core::{Grid, GridView, TiltedLobe};
-use std::f64::consts::TAU;
 
 /// Logarithm of a luminance, and colour differences.
 type Color = (f32, [f32; 2]);
 
-/// Encodes unknowns as a material. Where the albedo exceeds `MOST`, at stored views or between, the stored views round it are lowered.
-pub(super) fn encode(layout: &Layout, x: &[f64], provenance: &str) -> Result<Vec<u8>, FitError> {
+/// Encodes unknowns as a material, whose azimuths count from an axis, radians. Where the albedo exceeds `MOST`, at stored views or between, the stored views round it are lowered.
+pub(super) fn encode(layout: &Layout, x: &[f64], axis: f64, provenance: &str) -> Result<Vec<u8>, FitError> {
     let p = layout.stride();
     let mut x = x.to_vec();
     keep_energy(layout, &mut x);
 
+    for (stored, q) in x.chunks_exact_mut(p).enumerate() {
+        if layout.views.stored(stored) == Stored::Images {
+            layout.show_images(q);
+        }
+    }
     let stored: Vec<([f32; 3], Color, Vec<TiltedLobe>)> = x
         .chunks_exact(p)
         .map(|q| {
@@ -46,6 +50,7 @@ pub(super) fn encode(layout: &Layout, x: &[f64], provenance: &str) -> Result<Vec
         thetas: &thetas,
         azimuths: layout.views.azimuths,
         turns: layout.views.turns,
+        axis: axis as f32,
         views: &views,
         squeezed: layout.squeezed,
         factors: None,
@@ -69,8 +74,8 @@ fn keep_energy(layout: &Layout, x: &mut [f64]) {
             layout.views.thetas[ring]
                 + look * (layout.views.thetas.get(ring + 1).unwrap_or(&last) - layout.views.thetas[ring])
         };
-        for j in 0..layout.views.azimuths * LOOKS {
-            let phi = TAU * j as f64 / (layout.views.turns * layout.views.azimuths * LOOKS) as f64;
+        for j in 0..=layout.views.cells() * LOOKS {
+            let phi = layout.views.step() * j as f64 / LOOKS as f64;
             let place = layout.views.place(theta, phi);
             layout.interpolate(x, place, &mut q);
             let most = layout.albedo(&q, None).into_iter().fold(0.0, f64::max);

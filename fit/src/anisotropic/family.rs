@@ -1,12 +1,15 @@
 //! A family of lobes on the grid of stored views: interpolation, roughness, bounds, and the lobes of a view.
 
 use crate::anisotropic::coupled::Coupled;
-use crate::anisotropic::grid::{CellPlace, Grid, Layout};
+use crate::anisotropic::grid::{CellPlace, Grid, Layout, Stored};
 use crate::anisotropic::shape;
 use crate::anisotropic::tuning::layout::{SHEAR, SQUEEZE, TILT};
 use crate::anisotropic::tuning::objective::LONGEST_STEP;
 use crate::family::layout::Views;
 use crate::family::unit::{Unit, ViewSqueeze};
+
+/// The number of the squeeze that a mirror changes.
+const SHEARED: usize = 1;
 
 impl Views for Grid {
     type Place = CellPlace;
@@ -26,9 +29,21 @@ impl Views for Grid {
         place.corners.iter().map(|&(stored, share)| share * self.angles(stored).0).sum()
     }
 
-    /// Where half a turn changes nothing, axes at the normal can only be the normal, which a turn leaves as it is.
+    /// Where half a turn changes nothing, axes at the normal can only be the normal, which a turn leaves as it is. In the planes of
+    /// mirrors lobes do not lean to one side, and the squeeze does not either; partners are images.
     fn fixed(layout: &Layout, stored: usize, index: usize) -> bool {
-        stored == 0 && layout.views.turns == 2 && layout.angles().contains(&index)
+        let views = &layout.views;
+        if stored == 0 {
+            return views.turns > 1 && layout.angles().contains(&index)
+                || views.is_mirrored() && index == SHEARED;
+        }
+        if !views.is_in_mirror(stored) {
+            return false;
+        }
+        let pairs = views.first_pair..views.first_pair + 2 * views.pairs;
+        let leans = |k: usize| index == layout.off_plane(k) && !pairs.contains(&k);
+        let is_image = |k: usize| views.partner(k).is_some() && layout.unknowns(k).contains(&index);
+        index == SHEARED || (0..layout.lobes).any(|k| leans(k) || is_image(k))
     }
 
     /// The same at all directions.
@@ -48,9 +63,13 @@ impl Views for Grid {
         let mut turned = vec![0.0; p];
         for &(stored, share) in place.corners.iter().filter(|c| c.1 > 0.0) {
             let mut from = &x[stored * p..(stored + 1) * p];
-            if stored == 0 {
+            let way = layout.views.stored(stored);
+            if way != Stored::AsTheyAre {
                 turned.copy_from_slice(from);
-                layout.turn(&mut turned, place.azimuth);
+                match way {
+                    Stored::Turned => layout.turn(&mut turned, place.azimuth),
+                    _ => layout.show_images(&mut turned),
+                }
                 from = &turned;
             }
             out.iter_mut().zip(from).for_each(|(o, v)| *o += share * v);
@@ -73,13 +92,26 @@ impl Views for Grid {
                 layout.turn_transposed(&mut unit, [cos, sin]);
                 *row = unit.iter().copied().enumerate().filter(|t| t.1 != 0.0).collect();
             }
-            let terms = |ring: usize, index: usize, factor: f64, out: &mut Vec<(usize, f64)>| {
-                if ring == 0 {
-                    out.extend(turned[index].iter().map(|(j, share)| (*j, factor * share)));
-                } else {
-                    out.push((views.stored_view(ring, azimuth) * p + index, factor));
+            let at = |ring: usize, azimuth: usize, index: usize, factor: f64, out: &mut Vec<(usize, f64)>| {
+                let stored = views.stored_view(ring, azimuth);
+                match views.stored(stored) {
+                    Stored::Turned => out.extend(turned[index].iter().map(|(j, share)| (*j, factor * share))),
+                    Stored::Images => {
+                        let mut unit = vec![0.0; p];
+                        unit[index] = factor;
+                        layout.show_images_transposed(&mut unit);
+                        out.extend(
+                            unit.into_iter()
+                                .enumerate()
+                                .filter(|t| t.1 != 0.0)
+                                .map(|(j, f)| (stored * p + j, f)),
+                        );
+                    }
+                    Stored::AsTheyAre => out.push((stored * p + index, factor)),
                 }
             };
+            let terms =
+                |ring, index, factor, out: &mut Vec<(usize, f64)>| at(ring, azimuth, index, factor, out);
             for index in 0..p {
                 let weight = scale / layout.unit(index);
                 for ring in 1..=last {
@@ -91,11 +123,13 @@ impl Views for Grid {
                         each(&row);
                         row.clear();
                     }
-                    if views.azimuths > 2 {
+                    // Beyond a mirror no view is stored.
+                    let is_inside = azimuth > 0 && azimuth + 1 < views.azimuths;
+                    if views.azimuths > 2 && (is_inside || !views.is_mirrored()) {
                         let weight = weight * libm::sin(views.thetas[ring]);
-                        let others =
-                            [(azimuth + views.azimuths - 1, 1.0), (azimuth, -2.0), (azimuth + 1, 1.0)];
-                        row.extend(others.map(|(a, f)| (views.stored_view(ring, a) * p + index, f * weight)));
+                        at(ring, azimuth + views.azimuths - 1, index, weight, &mut row);
+                        at(ring, azimuth, index, -2.0 * weight, &mut row);
+                        at(ring, azimuth + 1, index, weight, &mut row);
                         each(&row);
                     }
                 }

@@ -5,10 +5,11 @@
 //! their own; narrow lobes point to the highlight, wide ones towards the normal. The amplitudes are the best non-negative ones,
 //! stored view by stored view. Starts differ in the range of the series and by a jitter.
 
-use crate::anisotropic::grid::Layout;
+use crate::anisotropic::grid::{Grid, Layout, Stored};
 use crate::anisotropic::shape::{exponential, frame};
 use crate::anisotropic::table::TurnedView;
-use crate::anisotropic::tuning::start::LEAST;
+use crate::anisotropic::tuning::start::{APART, LEAST};
+use crate::family::layout::Views;
 use crate::family::lobes::Lobes;
 use crate::family::start::{dim, paint, series};
 use crate::family::unit::dot;
@@ -32,7 +33,7 @@ pub(super) fn start(table: &[TurnedView], layout: &Layout, n: usize) -> Vec<f64>
     let mut vary = |size: f64| jitter * size * (2.0 * random.uniform() - 1.0);
     let (widest, narrowest) = (0.04 * libm::exp(vary(1.2)), 1.8 * libm::exp(vary(0.8)));
     let (round_low, round_high) = (1.2, 30.0 * libm::exp(vary(1.5)));
-    let relative: Vec<f64> = (0..layout.lobes)
+    let mut relative: Vec<f64> = (0..layout.lobes)
         .map(|k| {
             let round = layout.lobes - layout.squeezed;
             let s = if k < layout.squeezed {
@@ -43,7 +44,13 @@ pub(super) fn start(table: &[TurnedView], layout: &Layout, n: usize) -> Vec<f64>
             s * libm::exp(vary(0.7))
         })
         .collect();
-    let spread: Vec<[f64; 2]> = relative.iter().map(|_| [vary(0.2), vary(1.0)]).collect();
+    let mut spread: Vec<[f64; 2]> = relative.iter().map(|_| [vary(0.2), vary(1.0)]).collect();
+    // Partners stand on both sides.
+    for k in 0..layout.lobes {
+        let Some(of) = layout.views.partner(k) else { continue };
+        spread[of][1] = APART + 0.5 * spread[of][1];
+        (spread[k], relative[k]) = ([spread[of][0], -spread[of][1]], relative[of]);
+    }
 
     let p = layout.stride();
     let mut x = vec![0.0; layout.len()];
@@ -76,6 +83,15 @@ pub(super) fn start(table: &[TurnedView], layout: &Layout, n: usize) -> Vec<f64>
         let sharpness: Vec<f64> = (0..layout.lobes).map(|k| libm::exp(q[layout.sharpness(k)])).collect();
         paint(layout, (view, &lobes), &sharpness, least, q);
         dim(layout, q);
+        if layout.views.stored(stored) == Stored::Images {
+            for k in 0..layout.lobes {
+                let Some(of) = layout.views.partner(k) else { continue };
+                for (to, i) in layout.tint(of).into_iter().zip(layout.tint(k)) {
+                    q[to] = 0.5 * (q[to] + q[i]);
+                }
+            }
+        }
+        (0..p).filter(|&i| Grid::fixed(layout, stored, i)).for_each(|i| q[i] = 0.0);
     }
     x
 }

@@ -12,7 +12,7 @@ use std::f64::consts::PI;
 
 /// A view at an azimuth. Its samples are in the frame of the view: +x in the plane of incidence, away from the outgoing direction.
 #[derive(Clone, Debug)]
-pub(super) struct TurnedView {
+pub(crate) struct TurnedView {
     /// Azimuth of the outgoing direction, radians.
     pub phi: f64,
     pub view: View,

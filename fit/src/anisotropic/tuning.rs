@@ -9,8 +9,13 @@ pub(crate) mod views {
 
     /// Angles of the rings of stored views, degrees: closer towards grazing, where a highlight changes fastest.
     pub const RINGS: [f64; 10] = [0.0, 13.0, 26.0, 38.0, 50.0, 60.0, 69.0, 76.0, 82.0, 87.0];
+    /// Fewest and most rings for the bytes that a material may take.
+    pub const FEWEST_RINGS: usize = 4;
+    pub const MOST_RINGS: usize = 24;
     /// Stored views of a ring over half a turn.
     pub const AZIMUTHS: usize = 8;
+    /// Pairs of lobes where there are mirrors, as a share of the squeezed lobes.
+    pub const PAIRED: f64 = 0.5;
     /// Tabulated views inside each cell of stored views. Half of them, twice as dense, double the error in the middle.
     pub const PER_CELL: usize = 4;
     /// Directions of a stored view.
@@ -29,6 +34,9 @@ pub(crate) mod views {
     pub const STIFF: f64 = 10.0;
     /// Relative decrease of the cost over five steps below which the solver ends.
     pub const IMPROVEMENT: f64 = 1e-2;
+    /// Times that views are weighed again by their error, and the improvement then.
+    pub const REWEIGHED: usize = 3;
+    pub const FINE: f64 = 3e-3;
 }
 
 /// The sum of squares.
@@ -52,6 +60,8 @@ pub(crate) mod objective {
 pub(crate) mod start {
     /// Least luminance of a start, for albedos of about 1.
     pub const LEAST: f64 = 1e-9;
+    /// Distance of a lobe of a pair from the plane of incidence, in widths of the lobe.
+    pub const APART: f64 = 0.7;
 }
 
 /// Bounds of the unknowns: within those of the format, and no wider than fits need.

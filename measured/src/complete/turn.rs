@@ -153,12 +153,11 @@ impl Turn {
         if self.kept == Kept::Mirrors { [c, 0.0, along, 0.0] } else { [c, s, along, aside] }
     }
 
-    /// The symmetry that a fit may rely on. Mirrors are those of the frame of the sample, which are not those of the axis.
+    /// The symmetry that a fit may rely on; mirrors are those of the axis.
     pub fn symmetry(&self) -> Symmetry {
-        let is_upright = libm::sin(2.0 * self.axis).abs() < 1e-9;
         match self.kept {
-            Kept::Mirrors if is_upright => Symmetry::Quadrant,
-            Kept::Mirrors | Kept::HalfTurn => Symmetry::HalfTurn,
+            Kept::Mirrors => Symmetry::Quadrant,
+            Kept::HalfTurn => Symmetry::HalfTurn,
             Kept::Nothing => Symmetry::None,
         }
     }

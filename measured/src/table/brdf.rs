@@ -37,6 +37,11 @@ pub trait Brdf: Sync {
         Symmetry::Isotropic
     }
 
+    /// Azimuth of a mirror of [`Symmetry::Quadrant`], radians.
+    fn axis(&self) -> f64 {
+        0.0
+    }
+
     /// What its file brings along to draw incident directions by; `None` if it brings nothing.
     fn draws(&self) -> Option<&dyn Draws> {
         None
@@ -95,7 +100,7 @@ pub struct Known {
 pub enum Symmetry {
     /// Every turn round the normal, and every mirror.
     Isotropic,
-    /// The mirrors x -> -x and y -> -y.
+    /// Two mirrors that contain the normal: along an [axis](Brdf::axis), x if no other is named, and across it.
     Quadrant,
     /// Half a turn round the normal.
     HalfTurn,

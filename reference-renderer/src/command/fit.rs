@@ -150,11 +150,9 @@ fn check_options(file: &Path, content: &Content, settings: &SettingArgs) -> anyh
     match content {
         Content::Evaluable(brdf) if brdf.symmetry() != Symmetry::Isotropic => {
             let given = [
-                ("--views", settings.views.is_some()),
                 ("--exchanges", settings.exchanges.is_some()),
                 ("--mirrored", settings.mirrored.is_some()),
                 ("--factors", settings.factors.is_some()),
-                ("--bytes", settings.bytes.is_some()),
             ];
             if let Some((option, _)) = given.iter().find(|option| option.1) {
                 bail!("{}: {option} is for isotropic surfaces; this one is anisotropic", shown(file));

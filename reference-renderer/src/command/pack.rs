@@ -20,7 +20,7 @@ use std::path::{Path, PathBuf};
 /// package read the plain form, which `srbf pack FILE.srbf --bits 32` writes again.
 ///
 /// The error is the mean relative L2 error of f cos over twelve views that were not fitted: from the measurement, if FILE is one or
-/// --against names it; else from FILE itself. Isotropic materials only.
+/// --against names it; else from FILE itself. Of an anisotropic material whole rings of views go.
 #[derive(Debug, clap::Args)]
 pub struct Args {
     /// A fit, a preset, or a measured BRDF as `srbf fit` reads it, which is fitted first
@@ -134,9 +134,6 @@ fn whole(args: &Args) -> anyhow::Result<(Vec<u8>, Content, String)> {
     let is_preset = args.input.extension().is_none() && !args.input.exists() && !is_model;
     if is_preset || args.input.extension().is_some_and(|end| end.eq_ignore_ascii_case("srbf")) {
         let StoredMaterial { name, material } = StoredMaterial::load(&text)?;
-        if !material.is_isotropic() {
-            bail!("{}: anisotropic; only isotropic materials are packed", shown(&args.input));
-        }
         let bytes = material.bytes().to_vec();
         let content = match &args.against {
             Some(table) => read_with(table, &conventions)?.content,

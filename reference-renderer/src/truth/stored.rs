@@ -191,8 +191,15 @@ pub mod tests {
                 lobes,
             })
             .collect();
-        let grid =
-            Grid { thetas: &thetas, azimuths: AZIMUTHS, turns: 2, views: &views, squeezed: 1, factors: None };
+        let grid = Grid {
+            thetas: &thetas,
+            azimuths: AZIMUTHS,
+            turns: 2,
+            axis: 0.0,
+            views: &views,
+            squeezed: 1,
+            factors: None,
+        };
         let mut bytes = vec![0; grid.encoded_len("test")];
         grid.encode("test", &mut bytes).unwrap();
         StoredMaterial::new("brushed", Cow::Owned(bytes)).unwrap()

@@ -33,13 +33,7 @@ fn options_that_do_not_fit_are_refused_by_name() {
     refused(&place, &["fit", "model:phong:shine=3"], &["shine"]);
     refused(&place, &["--out", "a", "inspect", "matte"], &["--out"]);
     let brushed = "model:ward:alpha_x=0.1,alpha_y=0.4";
-    let isotropic = [
-        ("--views", "9"),
-        ("--exchanges", "3"),
-        ("--mirrored", "1"),
-        ("--factors", "4x3"),
-        ("--bytes", "5000"),
-    ];
+    let isotropic = [("--exchanges", "3"), ("--mirrored", "1"), ("--factors", "4x3")];
     for (option, value) in isotropic {
         refused(&place, &["fit", brushed, option, value], &[option, "anisotropic"]);
     }

@@ -56,6 +56,45 @@ fn a_preset_is_packed_and_plain_again_and_both_are_rendered() {
     assert!(pictures[0] == pictures[1]);
 }
 
+/// A quarter of its views is stored, and mirrors go on when lobes and rings are cut off.
+#[test]
+fn an_anisotropic_fit_is_packed_cut_and_plain_again() {
+    let place = folder("pack-anisotropic");
+    let run = |words: &str| {
+        let said = srbf(&place, &words.split(' ').collect::<Vec<_>>());
+        assert!(said.status.success(), "{words}: {said:?}");
+    };
+    run(
+        "fit model:ggx:alpha_x=0.15,alpha_y=0.4,f0=0.9 --lobes 8 --steps 8 --starts 1 --views 26 --no-picture -o fit.srbf",
+    );
+    run("pack fit.srbf --cut -o small.srbf");
+    run("pack small.srbf --bits 32 -o plain.srbf");
+    run("pack fit.srbf --lobes 5 --views 16 --cut -o few.srbf");
+    let [fit, small, plain, few] =
+        ["fit", "small", "plain", "few"].map(|name| material(&place, &format!("{name}.srbf")));
+    let [of_fit, of_small, of_plain] = [&fit, &small, &plain].map(|m| m.bytes().len() - m.provenance().len());
+    assert_eq!((fit.view_count(), fit.grid_turns(), small.code_bits()), (26, Some((4, 0.0)), Some(8)));
+    assert!(2 * of_small < of_fit && of_plain == of_fit, "{of_fit} {of_small} {of_plain}");
+    assert!(few.lobe_count() <= 5 && few.view_count() == 16, "{} {}", few.lobe_count(), few.view_count());
+    let (mut apart, mut all) = (0.0, 0.0);
+    for n in 0..24u8 {
+        let (theta, phi) = (0.05 * f32::from(n), 1.3 * f32::from(n));
+        let wo = [theta.sin() * phi.cos(), theta.sin() * phi.sin(), theta.cos()];
+        let wi = [-0.9 * wo[0], -0.8 * wo[1], (1.0 - (0.9 * wo[0]).powi(2) - (0.8 * wo[1]).powi(2)).sqrt()];
+        let [a, b, c] = [&fit, &small, &plain].map(|m| m.evaluate(wo, wi).x);
+        assert_eq!(b, c, "{wo:?}");
+        (apart, all) = (apart + (a - b).abs(), all + a);
+        // Mirrors along x and across it change nothing of the rest.
+        let value =
+            |x: f32, y: f32| few.evaluate([x * wo[0], y * wo[1], wo[2]], [x * wi[0], y * wi[1], wi[2]]).x;
+        let whole = value(1.0, 1.0);
+        for image in [value(-1.0, 1.0), value(1.0, -1.0), value(-1.0, -1.0)] {
+            assert!((image - whole).abs() <= 1e-3 * whole, "{wo:?}: {image} {whole}");
+        }
+    }
+    assert!(apart < 0.05 * all, "{apart} {all}");
+}
+
 #[test]
 fn fewer_lobes_are_fitted_again_and_grey_ones_have_no_colour() {
     let place = folder("pack-again");

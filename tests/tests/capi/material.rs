@@ -140,7 +140,8 @@ fn anisotropic_bytes() -> Vec<u8> {
             lobes,
         })
         .collect();
-    let grid = Grid { thetas: &thetas, azimuths, turns: 2, views: &views, squeezed: 3, factors: None };
+    let grid =
+        Grid { thetas: &thetas, azimuths, turns: 2, axis: 0.0, views: &views, squeezed: 3, factors: None };
     let mut bytes = vec![0; grid.encoded_len("made by tests")];
     let written = grid.encode("made by tests", &mut bytes).expect("the material is valid");
     bytes.truncate(written);

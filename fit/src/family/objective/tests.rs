@@ -108,7 +108,7 @@ fn on_line() -> (Objective<line::Line>, Vec<f64>) {
 #[test]
 fn gradient_and_cost_agree_with_differences() {
     check_gradient(on_line());
-    for (azimuths, turns) in [(4, 1), (3, 2), (1, 1)] {
+    for (azimuths, turns) in [(4, 1), (3, 2), (1, 1), (4, 4), (2, 4)] {
         let place = |layout: &Layout<Grid>, theta, phi| layout.views.place(theta, phi);
         check_gradient(problem(grid_layout(azimuths, turns), &PLACES, place));
     }
@@ -117,7 +117,7 @@ fn gradient_and_cost_agree_with_differences() {
 #[test]
 fn the_matrix_is_the_second_derivative_where_the_data_are_met() {
     check_matrix(on_line());
-    for (azimuths, turns) in [(4, 1), (3, 2), (1, 1)] {
+    for (azimuths, turns) in [(4, 1), (3, 2), (1, 1), (4, 4), (2, 4)] {
         let place = |layout: &Layout<Grid>, theta, phi| layout.views.place(theta, phi);
         check_matrix(problem(grid_layout(azimuths, turns), &PLACES, place));
     }
