@@ -5,7 +5,7 @@
 //! that share times the material's.
 //!
 //! [`bytes`] is the format, [`requests`] asks for many hits.
-//! May import: `mixture`, `kernel`, `material`, `color`, `error`.
+//! May import: `mixture`, `kernel`, `material`, `simd`, `error`.
 
 mod bytes;
 pub(crate) mod quarter;
