@@ -17,7 +17,6 @@ mod pack;
 mod pages;
 pub mod plot;
 pub mod render;
-mod sheet;
 pub mod view;
 mod view_table;
 
@@ -57,7 +56,6 @@ enum Command {
     Convert(convert::Args),
     Export(export::Args),
     Pack(Box<pack::Args>),
-    Sheet(sheet::Args),
     Inspect(inspect::Args),
     Look(look::Args),
     Judge(judge::Args),
@@ -118,7 +116,6 @@ pub fn run(cli: Cli) -> anyhow::Result<()> {
         Some(Command::Convert(args)) => convert::run(args),
         Some(Command::Export(args)) => export::run(&args),
         Some(Command::Pack(args)) => pack::run(&args),
-        Some(Command::Sheet(args)) => sheet::run(&args),
         Some(Command::Inspect(args)) => inspect::run(args),
         Some(Command::Look(args)) => look::run(&args),
         Some(Command::Judge(args)) => judge::run(args),

@@ -204,7 +204,7 @@ fn tables_are_converted_and_read_again() {
 
     let place = folder("convert-refused");
     for (output, says) in
-        [("a.srbf", "srbf fit"), ("a.brdf", "spectra"), ("a.xyz", ".binary, .bsdf, .csv or .astm")]
+        [("a.srbf", "srbf fit"), ("a.brdf", "spectra"), ("a.xyz", ".binary, .bsdf, .csv, .astm or .xml")]
     {
         refused(&place, &["convert", model, output], &[output, says]);
     }

@@ -75,6 +75,8 @@ static void test_values(const srbf_sheet *sheet) {
     int through = 0, behind = 0;
     for (int i = 0; i < N; i++) {
         direction(&state, wo[i]), direction(&state, wi[i]);
+        wo[i][2] = (i % 2 ? -1.0f : 1.0f) * fabsf(wo[i][2]);
+        wi[i][2] = (i % 3 ? -1.0f : 1.0f) * fabsf(wi[i][2]);
         for (int k = 0; k < 3; k++) {
             u[i][k] = uniform(&state);
         }

@@ -74,7 +74,8 @@ fn an_anisotropic_fit_is_packed_cut_and_plain_again() {
         ["fit", "small", "plain", "few"].map(|name| material(&place, &format!("{name}.srbf")));
     let [of_fit, of_small, of_plain] = [&fit, &small, &plain].map(|m| m.bytes().len() - m.provenance().len());
     assert_eq!((fit.view_count(), fit.grid_turns(), small.code_bits()), (26, Some((4, 0.0)), Some(8)));
-    assert!(2 * of_small < of_fit && of_plain == of_fit, "{of_fit} {of_small} {of_plain}");
+    // The text of each is filled up to a multiple of four bytes.
+    assert!(2 * of_small < of_fit && of_plain.abs_diff(of_fit) < 4, "{of_fit} {of_small} {of_plain}");
     assert!(few.lobe_count() <= 5 && few.view_count() == 16, "{} {}", few.lobe_count(), few.view_count());
     let (mut apart, mut all) = (0.0, 0.0);
     for n in 0..24u8 {
