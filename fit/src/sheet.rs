@@ -107,7 +107,7 @@ pub fn fit_sheet(
 /// luminance.
 ///
 /// # Errors
-/// [`FitError::Render`] never for a sheet that was read.
+/// [`FitError`] never for a sheet that was read.
 pub fn klems_of_sheet(sheet: &Sheet<impl AsRef<[u8]>>) -> Result<[Option<PatchMatrix>; 4], FitError> {
     let mut all = [const { None }; 4];
     for quarter in Quarter::ALL {
