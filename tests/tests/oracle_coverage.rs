@@ -18,7 +18,7 @@ const ORACLES: &[(&str, &str)] = &[
     ("Sheet::evaluate_and_pdf", "tests/sheets.rs"),
     ("Sheet::from_bytes", "tests/sheets.rs"),
     ("Sheet::is_symmetric", "tests/sheets.rs"),
-    ("Sheet::lobe_count", "tests/anisotropic.rs"),
+    ("Sheet::lobe_count", "tests/sheets.rs"),
     ("Sheet::pdf", "tests/sheets.rs"),
     ("Sheet::prepare", "tests/sheets.rs"),
     ("Sheet::provenance", "tests/sheets.rs"),

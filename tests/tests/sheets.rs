@@ -64,6 +64,8 @@ fn a_sheet_gives_back_its_materials() {
             assert_eq!((quarter.is_back(), quarter.is_transmission()), (place > 1, place % 2 == 1));
         }
         assert_eq!((sheet.provenance(), sheet.is_symmetric()), (TEXT, is_symmetric));
+        let most = Quarter::ALL.into_iter().filter_map(|q| sheet.quarter(q)).map(|m| m.lobe_count()).max();
+        assert_eq!(Some(sheet.lobe_count()), most, "{name}");
     }
 }
 
