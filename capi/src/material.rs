@@ -3,10 +3,12 @@
 
 use crate::convert::direction;
 use crate::guard::{Failure, Outcome, guard};
-use crate::pointers::{Out, check, check_apart, check_extent, read, read_array, slice};
+use crate::pointers::{
+    Out, bytes_of, check, check_apart, check_extent, put_in_storage, read, read_array, slice,
+};
 use crate::status::{
-    SRBF_STATUS_DIRECTION, SRBF_STATUS_INDEX, SRBF_STATUS_MISALIGNED, SRBF_STATUS_OBJECT, SRBF_STATUS_SIZE,
-    SRBF_STATUS_STRIDE, srbf_status,
+    SRBF_STATUS_DIRECTION, SRBF_STATUS_INDEX, SRBF_STATUS_OBJECT, SRBF_STATUS_SIZE, SRBF_STATUS_STRIDE,
+    srbf_status,
 };
 use crate::storage::{SRBF_MIXTURE_ALIGNMENT, srbf_mixture};
 use crate::storage::{check_room, mixture_mut, size_for, write_empty};
@@ -82,11 +84,6 @@ impl srbf_material {
     pub(crate) fn forget(&mut self) {
         self.tag = 0;
     }
-}
-
-pub(crate) fn bytes_of(bytes: &[u8]) -> Range<usize> {
-    let start = bytes.as_ptr().addr();
-    start..start + bytes.len()
 }
 
 /// Borrows a material of the caller.
@@ -186,24 +183,13 @@ pub unsafe extern "C" fn srbf_material_borrow(
     guard(|| {
         // SAFETY: the header's contract.
         let (bytes, out) = unsafe { (slice(bytes, byte_count)?, Out::new(material)?) };
-        let place = storage.cast::<srbf_material>();
-        check(place)?;
-        if !place.addr().is_multiple_of(SRBF_MATERIAL_ALIGNMENT) {
-            return Err(SRBF_STATUS_MISALIGNED.into());
+        let room = [SRBF_MATERIAL_SIZE, SRBF_MATERIAL_ALIGNMENT];
+        // SAFETY: the header's contract: the storage is writable.
+        unsafe {
+            put_in_storage(bytes, storage.cast(), storage_size, room, &out, || {
+                srbf_material::new(Bytes::Borrowed(bytes))
+            })
         }
-        if storage_size < SRBF_MATERIAL_SIZE {
-            return Err(SRBF_STATUS_SIZE.into());
-        }
-        check_extent(place.addr(), SRBF_MATERIAL_SIZE, 1)?;
-        let made = srbf_material::new(Bytes::Borrowed(bytes))?;
-        let written = place.addr()..place.addr() + SRBF_MATERIAL_SIZE;
-        check_apart(&written, &bytes_of(bytes))?;
-        check_apart(&out.extent(), &written)?;
-        check_apart(&out.extent(), &bytes_of(bytes))?;
-        // SAFETY: not NULL, aligned and large enough; writable by the header's contract.
-        unsafe { place.write(made) };
-        out.set(place);
-        Ok(())
     })
 }
 

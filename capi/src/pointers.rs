@@ -5,8 +5,8 @@
 //! header's contract".
 #![allow(unsafe_code)]
 
-use crate::guard::Failure;
-use crate::status::{SRBF_STATUS_MISALIGNED, SRBF_STATUS_NULL, SRBF_STATUS_OVERLAP};
+use crate::guard::{Failure, Outcome};
+use crate::status::{SRBF_STATUS_MISALIGNED, SRBF_STATUS_NULL, SRBF_STATUS_OVERLAP, SRBF_STATUS_SIZE};
 use core::ops::Range;
 use core::ptr::NonNull;
 
@@ -121,4 +121,41 @@ impl<const K: usize> Out<[f32; K]> {
         // SAFETY: an array is aligned as its elements are; the caller's word is ours.
         unsafe { Self::new(pointer.cast()) }
     }
+}
+
+/// The addresses of bytes.
+pub(crate) fn bytes_of(bytes: &[u8]) -> Range<usize> {
+    let start = bytes.as_ptr().addr();
+    start..start + bytes.len()
+}
+
+/// Puts an object that reads the caller's bytes into his storage, and gives the place. `size`, `alignment`: those that the header says.
+///
+/// # Safety
+/// The header's contract: storage that is not NULL is writable for the bytes that it is said to have.
+pub(crate) unsafe fn put_in_storage<T>(
+    bytes: &[u8],
+    place: *mut T,
+    storage_size: usize,
+    [size, alignment]: [usize; 2],
+    out: &Out<*mut T>,
+    make: impl FnOnce() -> Result<T, Failure>,
+) -> Outcome {
+    check(place)?;
+    if !place.addr().is_multiple_of(alignment) {
+        return Err(SRBF_STATUS_MISALIGNED.into());
+    }
+    if storage_size < size {
+        return Err(SRBF_STATUS_SIZE.into());
+    }
+    check_extent(place.addr(), size, 1)?;
+    let made = make()?;
+    let written = place.addr()..place.addr() + size;
+    check_apart(&written, &bytes_of(bytes))?;
+    check_apart(&out.extent(), &written)?;
+    check_apart(&out.extent(), &bytes_of(bytes))?;
+    // SAFETY: not NULL, aligned and large enough; writable by the contract.
+    unsafe { place.write(made) };
+    out.set(place);
+    Ok(())
 }

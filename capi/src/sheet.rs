@@ -4,11 +4,11 @@
 use crate::arrays::Arrays;
 use crate::convert::{direction, uniform};
 use crate::guard::{Failure, guard};
-use crate::material::{Bytes, bytes_of};
-use crate::pointers::{Out, check, check_apart, check_extent, read_array, slice};
+use crate::material::Bytes;
+use crate::pointers::{Out, bytes_of, check, put_in_storage, read_array, slice};
 use crate::request::srbf_request;
 use crate::single::{drawn, srbf_sample};
-use crate::status::{SRBF_STATUS_MISALIGNED, SRBF_STATUS_OBJECT, SRBF_STATUS_SIZE, srbf_status};
+use crate::status::{SRBF_STATUS_OBJECT, srbf_status};
 use core::ffi::c_char;
 use core::ops::Range;
 use srbf_core::{MAX_LOBES, Quarter, Sheet, SheetMixture};
@@ -112,24 +112,13 @@ pub unsafe extern "C" fn srbf_sheet_borrow(
     guard(|| {
         // SAFETY: the header's contract.
         let (bytes, out) = unsafe { (slice(bytes, byte_count)?, Out::new(sheet)?) };
-        let place = storage.cast::<srbf_sheet>();
-        check(place)?;
-        if !place.addr().is_multiple_of(SRBF_SHEET_ALIGNMENT) {
-            return Err(SRBF_STATUS_MISALIGNED.into());
+        let room = [SRBF_SHEET_SIZE, SRBF_SHEET_ALIGNMENT];
+        // SAFETY: the header's contract: the storage is writable.
+        unsafe {
+            put_in_storage(bytes, storage.cast(), storage_size, room, &out, || {
+                srbf_sheet::new(Bytes::Borrowed(bytes))
+            })
         }
-        if storage_size < SRBF_SHEET_SIZE {
-            return Err(SRBF_STATUS_SIZE.into());
-        }
-        check_extent(place.addr(), SRBF_SHEET_SIZE, 1)?;
-        let made = srbf_sheet::new(Bytes::Borrowed(bytes))?;
-        let written = place.addr()..place.addr() + SRBF_SHEET_SIZE;
-        check_apart(&written, &bytes_of(bytes))?;
-        check_apart(&out.extent(), &written)?;
-        check_apart(&out.extent(), &bytes_of(bytes))?;
-        // SAFETY: not NULL, aligned and large enough; writable by the header's contract.
-        unsafe { place.write(made) };
-        out.set(place);
-        Ok(())
     })
 }
 

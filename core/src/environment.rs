@@ -5,7 +5,7 @@
 //! [`cell`] says how draws are shared out. A [`product`] draws from the light and a mixture together, among
 //! [`candidates`], as a [`sampling`] says. [`reflect`] sums what both would bring [`together`], over a
 //! [`light_block`] that serves many surfaces, and corrects the sums by two rays. Both work on [`directions`].
-//! May import: `kernel`, `mixture`, `color`, `simd`, `error`; nothing imports from here.
+//! May import: `kernel`, `mixture`, `color`, `float`, `simd`, `error`; nothing imports from here.
 
 pub(crate) mod candidates;
 pub(crate) mod cell;

@@ -109,7 +109,7 @@ impl<'a> Defensive<'a> {
                 }
             }
         } else {
-            let lobe = ((u[0] - self.share) / (1.0 - self.share)).min(1.0 - f32::EPSILON / 2.0);
+            let lobe = ((u[0] - self.share) / (1.0 - self.share)).min(float::BELOW_ONE);
             let (d, inverse) = draw_one::<f32, true>(self.mixture, [lobe, u[1], u[2]]);
             Vec3::from_array(scale(d, inverse))
         };

@@ -5,19 +5,20 @@
 //! that share times the material's.
 //!
 //! [`bytes`] is the format, [`requests`] asks for many hits.
-//! May import: `mixture`, `kernel`, `material`, `simd`, `error`.
+//! May import: `mixture`, `kernel`, `material`, `float`, `simd`, `error`.
 
 mod bytes;
 pub(crate) mod quarter;
 mod requests;
 
 use crate::error::Error;
+use crate::float::BELOW_ONE;
 use crate::kernel::prepare::prepare;
 use crate::kernel::streamed::one::{Asked, ask_one};
 use crate::material::borrowed::{Material, MaterialRef};
 use crate::material::format_error::FormatError;
 use crate::mixture::leave_out::LeaveOut;
-use crate::mixture::rows::{AnyMixture, Groups, Mixture, Room, Sample};
+use crate::mixture::rows::{AnyMixture, Groups, Mixture, Room, Sample, drawn_density};
 use crate::simd::detect::Level;
 use bytes::Head;
 use glam::Vec3;
@@ -148,9 +149,18 @@ impl<B: AsRef<[u8]>> Sheet<B> {
         self.head.reflected_share(self.bytes(), wo.into())
     }
 
+    /// The quarter that a draw goes to, whether that is the way through, and the number that is left for its lobes.
     #[inline(always)]
-    fn seen(&self, wo: Vec3, is_transmission: bool) -> Option<Seen<'_>> {
-        self.head.seen(self.bytes(), wo, is_transmission)
+    fn drawn(&self, wo: Vec3, u: f32) -> (Option<Seen<'_>>, bool, f32) {
+        let reflected = self.reflected_share(wo);
+        let (is_transmission, first) = chosen(reflected, u);
+        (self.head.seen(self.bytes(), wo, is_transmission, reflected), is_transmission, first)
+    }
+
+    /// The quarter that a light is seen by.
+    #[inline(always)]
+    fn towards(&self, wo: Vec3, wi: Vec3) -> Option<Seen<'_>> {
+        self.head.seen(self.bytes(), wo, is_across(wo, wi), self.reflected_share(wo))
     }
 
     /// Evaluates `f |cos|` for an outgoing and an incident direction, linear sRGB; 1/sr.
@@ -168,7 +178,7 @@ impl<B: AsRef<[u8]>> Sheet<B> {
     /// Value and density in one pass over the lobes.
     pub fn evaluate_and_pdf(&self, wo: impl Into<Vec3>, wi: impl Into<Vec3>) -> (Vec3, f32) {
         let (wo, wi) = (wo.into(), wi.into());
-        let Some(seen) = self.seen(wo, is_across(wo, wi)) else { return (Vec3::ZERO, 0.0) };
+        let Some(seen) = self.towards(wo, wi) else { return (Vec3::ZERO, 0.0) };
         let asked = Asked { u: None, wi: Some(upward(wi).to_array()), colors: true };
         let answer = ask_one(seen.material, seen.wo, asked);
         (answer.value, seen.share * answer.pdf)
@@ -179,12 +189,19 @@ impl<B: AsRef<[u8]>> Sheet<B> {
     ///
     /// `None` where nothing is reflected or transmitted.
     pub fn sample(&self, wo: impl Into<Vec3>, u: [f32; 3]) -> Option<Sample> {
-        let wo = wo.into();
-        let (is_transmission, first) = chosen(self.reflected_share(wo), u[0]);
-        let seen = self.seen(wo, is_transmission)?;
-        let asked = Asked { u: Some([first, u[1], u[2]]), wi: None, colors: true };
-        let sample = ask_one(seen.material, seen.wo, asked).sample?;
-        Some(placed(sample, seen.share, (wo.z < 0.0) != is_transmission))
+        self.sample_and(wo.into(), u, None).0
+    }
+
+    /// A draw; and value and density towards a light that the same quarter shows.
+    fn sample_and(&self, wo: Vec3, u: [f32; 3], wi: Option<Vec3>) -> (Option<Sample>, Option<(Vec3, f32)>) {
+        let (seen, is_transmission, first) = self.drawn(wo, u[0]);
+        let Some(Seen { material, wo: upper, share }) = seen else { return (None, None) };
+        let wi = wi.filter(|wi| is_across(wo, *wi) == is_transmission);
+        let to = wi.map(|wi| upward(wi).to_array());
+        let answer = ask_one(material, upper, Asked { u: Some([first, u[1], u[2]]), wi: to, colors: true });
+        let is_flipped = (wo.z < 0.0) != is_transmission;
+        let sample = answer.sample.map(|sample| placed(sample, share, is_flipped));
+        (sample, wi.map(|_| (answer.value, share * answer.pdf)))
     }
 
     /// Draws an incident direction, and evaluates value and density towards another one: what next-event estimation needs at every
@@ -196,16 +213,8 @@ impl<B: AsRef<[u8]>> Sheet<B> {
         wi: impl Into<Vec3>,
     ) -> (Option<Sample>, (Vec3, f32)) {
         let (wo, wi) = (wo.into(), wi.into());
-        let (is_transmission, first) = chosen(self.reflected_share(wo), u[0]);
-        if is_across(wo, wi) != is_transmission {
-            return (self.sample(wo, u), self.evaluate_and_pdf(wo, wi));
-        }
-        let Some(seen) = self.seen(wo, is_transmission) else { return (None, (Vec3::ZERO, 0.0)) };
-        let asked = Asked { u: Some([first, u[1], u[2]]), wi: Some(upward(wi).to_array()), colors: true };
-        let answer = ask_one(seen.material, seen.wo, asked);
-        let is_flipped = (wo.z < 0.0) != is_transmission;
-        let sample = answer.sample.map(|sample| placed(sample, seen.share, is_flipped));
-        (sample, (answer.value, seen.share * answer.pdf))
+        let (sample, towards) = self.sample_and(wo, u, Some(wi));
+        (sample, towards.unwrap_or_else(|| self.evaluate_and_pdf(wo, wi)))
     }
 
     /// Makes the mixtures for an outgoing direction, in the caller's storage, which it overwrites. Where nothing is reflected, or
@@ -224,7 +233,13 @@ impl<B: AsRef<[u8]>> Sheet<B> {
         let wo = wo.into();
         pair.reflected_share = self.reflected_share(wo);
         pair.is_back = wo.z < 0.0;
-        let prepare = |is_transmission, mixture: &mut AnyMixture<'a>| match self.seen(wo, is_transmission) {
+        let reflected = pair.reflected_share;
+        let prepare = |is_transmission, mixture: &mut AnyMixture<'a>| match self.head.seen(
+            self.bytes(),
+            wo,
+            is_transmission,
+            reflected,
+        ) {
             Some(seen) => prepare(seen.material, seen.wo, LeaveOut::default(), Level::current(), mixture),
             None => mixture.copy_from(&Mixture::<16>::empty()),
         };
@@ -236,8 +251,6 @@ impl<B: AsRef<[u8]>> Sheet<B> {
 /// Whether a number of a draw takes the way through, and the number that is left of it for the lobes, uniform in [0, 1).
 #[inline(always)]
 fn chosen(reflected: f32, u: f32) -> (bool, f32) {
-    /// The largest number below 1.
-    const BELOW_ONE: f32 = 1.0 - f32::EPSILON / 2.0;
     if u < reflected {
         (false, (u / reflected).min(BELOW_ONE))
     } else {
@@ -258,7 +271,7 @@ fn placed(sample: Sample, share: f32, is_flipped: bool) -> Sample {
 /// The density of a draw, of that of its quarter: never below the least that is divided by.
 #[inline(always)]
 fn drawn_share(pdf: f32, share: f32) -> f32 {
-    crate::mixture::rows::drawn_density(pdf * share)
+    drawn_density(pdf * share)
 }
 
 /// The lobes of a [`Sheet`] for one outgoing direction: those of the reflected light and those of the light that comes through. For many

@@ -7,7 +7,7 @@ use crate::judge::fitted_material::values_towards;
 use crate::judge::report::Fit;
 use crate::patches::{Basis, PatchMatrix, Ring};
 use crate::read::window::{Window, words};
-use crate::read::{Content, Source};
+use crate::read::{Content, SheetSource};
 use crate::table::Symmetry;
 use crate::{FitError, Settings};
 use serde_json::{Value, json};
@@ -24,14 +24,23 @@ const BYTES: usize = 5900;
 pub struct SheetFit {
     /// The `.srbf` bytes of the sheet.
     pub bytes: Vec<u8>,
-    /// The fits of the quarters that are stored.
-    pub quarters: Vec<(Quarter, Fit)>,
+    /// The quarters that are stored.
+    pub quarters: Vec<QuarterFit>,
     /// Light that falls on the front, and on the back, by angle.
     pub sides: [Vec<Light>; 2],
-    /// Relative L2 distance of the values of each quarter's patches from the data, in the order of `quarters`.
-    pub patches: Vec<f64>,
     /// Whether the back is like the front.
     pub is_symmetric: bool,
+}
+
+/// The fit of a quarter.
+#[derive(Debug)]
+pub struct QuarterFit {
+    /// Which one it is.
+    pub quarter: Quarter,
+    /// The material and its report.
+    pub fit: Fit,
+    /// Relative L2 distance of the values of its patches from the data.
+    pub patches: f64,
 }
 
 /// Where the light goes that falls on one side at an angle; means over the azimuth.
@@ -45,62 +54,62 @@ pub struct Light {
     pub transmitted: [f64; 2],
 }
 
-/// Fits all quarters of a sheet.
+/// Fits all quarters of a sheet, whose values are means over patches.
 ///
-/// `source` gives the measurement of a quarter; its values are means over patches. `progress` is called with the share of the work that is
-/// done, 0 to 1.
+/// `progress` is called with the share of the work that is done, 0 to 1.
 ///
 /// # Errors
-/// As [`fit_source`], with the quarter; and those of `source`.
+/// As [`fit_source`].
 pub fn fit_sheet(
-    window: &Window,
+    sheet: &SheetSource,
     settings: &Settings,
-    mut source: impl FnMut(Quarter) -> Result<Source, FitError>,
     mut progress: impl FnMut(f64) + Send,
 ) -> Result<SheetFit, FitError> {
+    let window = &sheet.window;
     let is_symmetric = is_symmetric(window);
-    let is_there = |q: &Quarter| window.quarters[*q as usize].is_some() && !(is_symmetric && q.is_back());
-    let wanted: Vec<Quarter> = Quarter::ALL.into_iter().filter(is_there).collect();
-    let mut quarters = Vec::new();
+    let wanted = stored(sheet);
+    let mut fits = Vec::new();
     for (n, quarter) in wanted.iter().enumerate() {
         let done = |share: f64| progress((n as f64 + share) / wanted.len() as f64);
-        let source = source(*quarter)?;
+        let Some(source) = sheet.quarter(*quarter) else { continue };
         let is_round =
             matches!(&source.content, Content::Evaluable(brdf) if brdf.symmetry() == Symmetry::Isotropic);
         let is_default = settings.bytes == Settings::default().bytes;
         let bytes = if is_round && is_default { BYTES } else { settings.bytes };
-        quarters.push((*quarter, fit_source(&source, &Settings { bytes, ..settings.clone() }, done)?));
+        fits.push((*quarter, fit_source(&source, &Settings { bytes, ..settings.clone() }, done)?));
     }
     let mut materials: [Option<Material<&[u8]>>; 4] = [const { None }; 4];
-    for (quarter, fit) in &quarters {
+    for (quarter, fit) in &fits {
         materials[*quarter as usize] = Some(Material::from_bytes(fit.bytes.as_slice())?);
     }
     let stored = materials.each_ref().map(Option::as_ref);
     let mut bytes = vec![0; Sheet::encoded_len(stored, &settings.provenance)];
     Sheet::encode(stored, is_symmetric, &settings.provenance, &mut bytes)?;
-    let means = |quarter: Quarter| -> Result<Option<PatchMatrix>, FitError> {
-        let place = quarter as usize & if is_symmetric { 1 } else { 3 };
-        let data = window.quarters[quarter as usize].as_ref();
-        data.zip(materials[place].as_ref()).map(|(data, material)| patch_means(data, material)).transpose()
-    };
     let mut fitted: [Option<PatchMatrix>; 4] = [const { None }; 4];
-    for quarter in Quarter::ALL {
-        fitted[quarter as usize] = means(quarter)?;
+    for (place, data) in window.quarters.iter().enumerate() {
+        let material = materials[place & if is_symmetric { 1 } else { 3 }].as_ref();
+        let means = data.as_ref().zip(material).map(|(d, m)| means_over(&d.outgoing, &d.incident, m));
+        fitted[place] = means.transpose()?;
     }
-    let distance = |(quarter, _): &(Quarter, Fit)| {
-        let place = *quarter as usize;
-        window.quarters[place]
-            .as_ref()
-            .zip(fitted[place].as_ref())
-            .map_or(0.0, |(data, own)| own.distance(data))
-    };
-    let patches = quarters.iter().map(distance).collect();
     // Light is reflected to the side that it comes from, and seen through the sheet from the other.
     let sides = [(0, 3), (2, 1)].map(|(reflected, transmitted)| {
         let of = |place: usize| [&window.quarters[place], &fitted[place]];
         lights(of(reflected), of(transmitted))
     });
-    Ok(SheetFit { bytes, quarters, sides, patches, is_symmetric })
+    let of_quarter = |(quarter, fit): (Quarter, Fit)| {
+        let both = window.quarters[quarter as usize].as_ref().zip(fitted[quarter as usize].as_ref());
+        QuarterFit { quarter, fit, patches: both.map_or(0.0, |(data, own)| own.distance(data)) }
+    };
+    let quarters = fits.into_iter().map(of_quarter).collect();
+    Ok(SheetFit { bytes, quarters, sides, is_symmetric })
+}
+
+/// The quarters of a sheet that are fitted and stored: not those of a back that is like the front.
+pub fn stored(sheet: &SheetSource) -> Vec<Quarter> {
+    let is_symmetric = is_symmetric(&sheet.window);
+    let is_there =
+        |q: &Quarter| sheet.window.quarters[*q as usize].is_some() && !(is_symmetric && q.is_back());
+    Quarter::ALL.into_iter().filter(is_there).collect()
 }
 
 /// The means of a sheet over the patches of Klems, for each quarter that is not black, in the order of [`Quarter::ALL`]: those of the
@@ -135,11 +144,6 @@ fn is_symmetric(window: &Window) -> bool {
         _ => false,
     };
     is_like(0, 2) && is_like(1, 3)
-}
-
-/// The means of a fit over the patches of data.
-fn patch_means(data: &PatchMatrix, material: &Material<&[u8]>) -> Result<PatchMatrix, FitError> {
-    means_over(&data.outgoing, &data.incident, material)
 }
 
 /// The means of a material over patches.
@@ -197,8 +201,7 @@ impl SheetFit {
         let patches = self
             .quarters
             .iter()
-            .zip(&self.patches)
-            .map(|((quarter, _), l2)| json!({"quarter": words(*quarter), "relative_l2_of_patches": l2}));
+            .map(|q| json!({"quarter": words(q.quarter), "relative_l2_of_patches": q.patches}));
         json!({
             "name": srbf_core::printable(&window.name).to_string(),
             "bytes": self.bytes.len(),

@@ -159,14 +159,14 @@ fn values(rows: &[&Row]) -> Option<Vec<f64>> {
 
 /// The logarithm of the likelihood of the tilt that explains samples best, as the candidate has it.
 fn tilted(rows: &[&Row], values: &[f64], of: Candidate) -> Option<f64> {
+    // By a loop: rustc 1.95 breaks at a closure that updates this struct.
     let mut candidates = Vec::new();
     for noise in NOISES {
         candidates.push(Candidate { noise, ..of });
     }
-    let candidates = candidates.as_slice();
     let at = |tilt: [f64; 2]| {
         let turned: Vec<Row> = rows.iter().map(|row| level(row, tilt)).collect();
-        best(candidates, &turned.iter().collect::<Vec<_>>(), values).map(|found| found.0)
+        best(&candidates, &turned.iter().collect::<Vec<_>>(), values).map(|found| found.0)
     };
     let (mut most, mut tilt) = (at([0.0; 2])?, [0.0; 2]);
     let mut step = TILTS[0];

@@ -29,15 +29,22 @@ pub struct PatchMatrix {
 impl PatchMatrix {
     /// The values of a function, f of `(wi, wo)`, both above the horizon.
     pub fn of(outgoing: &Basis, incident: &Basis, f: impl Fn([f64; 3], [f64; 3]) -> f64) -> Self {
-        let mut values = vec![0.0; outgoing.len() * incident.len()];
-        for c in 0..incident.len() {
-            let wi = incident.light(c);
-            for r in 0..outgoing.len() {
-                let points = outgoing.points(r);
-                let count = points.len() as f64;
-                values[r * incident.len() + c] = points.into_iter().map(|wo| f(wi, wo)).sum::<f64>() / count;
-            }
-        }
+        Self::with(outgoing, incident, |r, c| {
+            let (points, wi) = (outgoing.points(r), incident.light(c));
+            let count = points.len() as f64;
+            points.into_iter().map(|wo| f(wi, wo)).sum::<f64>() / count
+        })
+    }
+
+    /// The values of a function at the middles of the patches.
+    fn at_middles(outgoing: &Basis, incident: &Basis, f: impl Fn([f64; 3], [f64; 3]) -> f64) -> Self {
+        Self::with(outgoing, incident, |r, c| f(incident.light(c), outgoing.middle(r)))
+    }
+
+    /// Values by the places of an outgoing and an incident patch.
+    fn with(outgoing: &Basis, incident: &Basis, value: impl Fn(usize, usize) -> f64) -> Self {
+        let places = (0..outgoing.len()).flat_map(|r| (0..incident.len()).map(move |c| (r, c)));
+        let values = places.map(|(r, c)| value(r, c)).collect();
         Self { outgoing: outgoing.clone(), incident: incident.clone(), values }
     }
 

@@ -49,7 +49,7 @@ use crate::{FitError, ReadError};
 pub use filled::Filled;
 use format::Format;
 use sha2::{Digest, Sha256};
-use srbf_core::printable;
+use srbf_core::{Quarter, printable};
 use std::path::Path;
 
 pub use crate::file::spectrum::SpectralCurve;
@@ -220,15 +220,17 @@ fn needless(path: &Path) -> FitError {
 fn of_bytes(path: &Path, bytes: &[u8], conventions: &Conventions) -> Result<Source, FitError> {
     let fault = |source| FitError::Read { path: path.to_path_buf(), source };
     let sha256 = sha256(bytes);
-    let unpacked = bytes.starts_with(gzip::HEAD).then(|| gzip::unpacked(bytes)).transpose();
-    let unpacked = unpacked.map_err(FitError::io(path))?;
+    let (unpacked, format) = opened(path, bytes)?;
     let bytes = unpacked.as_deref().unwrap_or(bytes);
-    let format = format::recognise(bytes, &ending(path)).map_err(fault)?;
     let is_text = !matches!(format, Format::Merl | Format::Rgl);
     check_memory(if is_text { TEXT } else { 1 } * bytes.len() as u64).map_err(FitError::io(path))?;
-    let name = printable(&path.file_name().unwrap_or_default().to_string_lossy()).to_string();
+    let name = name_of(path);
     if !is_text && *conventions != Conventions::default() {
         return Err(needless(path));
+    }
+    if format != Format::Window && conventions.band != window::Band::Visible {
+        let text = "a band of the spectrum is one of a file of a window; --wavelengths chooses of spectra";
+        return Err(fault(ReadError::Content(text.into())));
     }
     let intake = match format {
         Format::Merl => {
@@ -256,50 +258,82 @@ fn of_bytes(path: &Path, bytes: &[u8], conventions: &Conventions) -> Result<Sour
         Format::NumPy => numpy::parse(bytes, conventions),
         Format::Utia => utia::parse(bytes, conventions),
         Format::Records => records::parse(bytes, conventions),
-        Format::Window => return of_window(path, bytes, (name, sha256), conventions),
+        Format::Window => {
+            let sheet = window_of(path, bytes, (name, sha256), conventions)?;
+            let black = || {
+                format!(
+                    "nothing is seen there: the {} is black, or not in the file",
+                    window::words(conventions.quarter)
+                )
+            };
+            return sheet.quarter(conventions.quarter).ok_or_else(|| fault(ReadError::Content(black())));
+        }
         Format::Text => csv::parse(bytes, conventions),
     }
     .map_err(fault)?;
     Source::of_samples(intake, name, sha256)
 }
 
-/// A quarter of a sheet, of a matrix over patches.
-fn of_window(
+/// The bytes of a file that gzip compressed, and the format.
+fn opened(path: &Path, bytes: &[u8]) -> Result<(Option<Vec<u8>>, Format), FitError> {
+    let unpacked = bytes.starts_with(gzip::HEAD).then(|| gzip::unpacked(bytes)).transpose();
+    let unpacked = unpacked.map_err(FitError::io(path))?;
+    let format = format::recognise(unpacked.as_deref().unwrap_or(bytes), &ending(path));
+    Ok((unpacked, format.map_err(|source| FitError::Read { path: path.to_path_buf(), source })?))
+}
+
+/// The file of a sheet.
+pub struct SheetSource {
+    /// Its quarters.
+    pub window: window::Window,
+    /// Name of the file, without its folder; [`printable`].
+    pub name: String,
+    /// SHA-256 of the file, hexadecimal.
+    pub sha256: String,
+}
+
+impl SheetSource {
+    /// The measurement of a quarter; `None` of one that is black.
+    pub fn quarter(&self, quarter: Quarter) -> Option<Source> {
+        let brdf = self.window.brdf(quarter)?;
+        Some(Source::evaluable(Box::new(brdf), self.name.clone(), self.sha256.clone()))
+    }
+}
+
+/// The sheet of a file of a window.
+fn window_of(
     path: &Path,
     bytes: &[u8],
     (name, sha256): (String, String),
     conventions: &Conventions,
-) -> Result<Source, FitError> {
+) -> Result<SheetSource, FitError> {
     let Conventions { quarter, band, .. } = *conventions;
     if *conventions != (Conventions { quarter, band, ..Conventions::default() }) {
         return Err(needless(path));
     }
     let fault = |source| FitError::Read { path: path.to_path_buf(), source };
-    let window = window::Window::parse(bytes, band).map_err(fault)?;
-    let brdf = window.brdf(quarter).ok_or_else(|| {
-        fault(ReadError::Content(format!(
-            "nothing is seen there: the {} is black, or not in the file",
-            window::words(quarter)
-        )))
-    })?;
-    Ok(Source::evaluable(Box::new(brdf), name, sha256))
+    Ok(SheetSource { window: window::Window::parse(bytes, band).map_err(fault)?, name, sha256 })
 }
 
-/// The quarters of a sheet that a file has, and is read by one after the other ([`Conventions::quarter`]); `None` of a file that has the
-/// reflection of one side alone, or samples.
+/// The sheet of a file of a window, with all its quarters; `None` of any other file. [`read_with`] reads one of them
+/// ([`Conventions::quarter`]).
 ///
 /// # Errors
 /// As [`read_with`].
-pub fn sheet_of(path: &Path, conventions: &Conventions) -> Result<Option<window::Window>, FitError> {
+pub fn sheet_of(path: &Path, conventions: &Conventions) -> Result<Option<SheetSource>, FitError> {
     if path.to_str().is_some_and(|p| p.starts_with(analytic::PREFIX)) {
         return Ok(None);
     }
     let bytes = read_bytes(path, MAX_FILE, |size| ending::check(&ending(path), path, size))?;
-    if format::recognise(&bytes, &ending(path)).ok() != Some(Format::Window) {
-        return Ok(None);
-    }
-    let fault = |source| FitError::Read { path: path.to_path_buf(), source };
-    window::Window::parse(&bytes, conventions.band).map(Some).map_err(fault)
+    // Whatever is wrong with another file, its reader says.
+    let Ok((unpacked, Format::Window)) = opened(path, &bytes) else { return Ok(None) };
+    let named = (name_of(path), sha256(&bytes));
+    window_of(path, unpacked.as_deref().unwrap_or(&bytes), named, conventions).map(Some)
+}
+
+/// The name of a file, without its folder.
+fn name_of(path: &Path) -> String {
+    printable(&path.file_name().unwrap_or_default().to_string_lossy()).to_string()
 }
 
 /// A MERL material with what its holes are filled by, if it has some above the horizon.

@@ -4,6 +4,7 @@ use glam::Vec3;
 use srbf_core::{
     Draws, Error, FormatError, Material, Mixture, Quarter, Request, Sheet, SheetMixture, Towards, luminance,
 };
+use srbf_tests::attack::put_right;
 use srbf_tests::inputs::Random;
 use srbf_tests::kinds::{for_each_level, materials};
 use srbf_tests::partition::Partition;
@@ -269,9 +270,7 @@ fn damaged_bytes_are_refused_with_their_place() {
     let with = |change: &dyn Fn(&mut Vec<u8>)| {
         let mut other = bytes.clone();
         change(&mut other);
-        let end = other.len() - 4;
-        let sum = crc32(&other[..end]);
-        other[end..].copy_from_slice(&sum.to_le_bytes());
+        put_right(&mut other);
         Sheet::from_bytes(other).err()
     };
     assert_eq!(with(&|_| ()), None);
@@ -297,11 +296,4 @@ fn damaged_bytes_are_refused_with_their_place() {
     assert!(matches!(Sheet::encode(none, true, "", &mut room), Err(FormatError::Field { .. })));
     let few = Sheet::encode(none, true, "", &mut [0; 8]);
     assert_eq!(few, Err(FormatError::Buffer { needed: room.len(), available: 8 }));
-}
-
-/// CRC-32 (IEEE 802.3), bit by bit.
-fn crc32(bytes: &[u8]) -> u32 {
-    !bytes.iter().fold(!0u32, |crc, byte| {
-        (0..8).fold(crc ^ u32::from(*byte), |crc, _| (crc >> 1) ^ if crc & 1 == 1 { 0xedb8_8320 } else { 0 })
-    })
 }

@@ -3,6 +3,7 @@
 use super::look_up::{between, corner_luminances};
 use super::table::{Colors, Environment, PLACE, THRESHOLD, Table};
 use crate::color::luminance;
+use crate::float::BELOW_ONE;
 use crate::simd::elementary::sin_cos_turns;
 use crate::simd::lanes::Lanes;
 use glam::Vec3;
@@ -88,9 +89,6 @@ pub(super) struct Chosen {
     /// the other is; 1 above the equator, -1 below.
     pub place: [f32; 4],
 }
-
-/// The largest f32 below 1.
-const BELOW_ONE: f32 = 1.0 - f32::EPSILON / 2.0;
 
 impl Table<'_> {
     /// The cell that two uniform numbers hit, and their remainders.

@@ -176,6 +176,13 @@ impl<'a> Writer<'a> {
         provenance: &str,
         spectra: Option<SpectralMap<'_>>,
     ) -> Result<usize, FormatError> {
+        self.seal(provenance, spectra);
+        validate(self.out)?;
+        Ok(self.at)
+    }
+
+    /// Writes provenance, the spectra of colours and checksum.
+    pub(crate) fn seal(&mut self, provenance: &str, spectra: Option<SpectralMap<'_>>) {
         let contents = [(TEXT, provenance.as_bytes()), (SPEC, spectra.map_or(&[][..], |map| map.bytes()))];
         for (tag, content) in contents.into_iter().filter(|(_, content)| !content.is_empty()) {
             let start = self.begin(tag);
@@ -184,8 +191,6 @@ impl<'a> Writer<'a> {
         }
         let checksum = crc32(&self.out[..self.at]);
         self.put(&checksum.to_le_bytes());
-        validate(self.out)?;
-        Ok(self.at)
     }
 }
 

@@ -20,6 +20,7 @@
 //! A block that is not known is skipped if its tag begins with a small letter, and refused otherwise.
 
 use super::quarter::{Quarter, Seen, upward};
+use crate::float::{sin_cos_turns, sqrt};
 use crate::kernel::prepare::prepare;
 use crate::material::borrowed::MaterialRef;
 use crate::material::bytes::{part, u32_at};
@@ -67,10 +68,16 @@ struct Part {
 }
 
 impl Head {
+    /// The side whose quarters and shares are stored for a viewer: 0 in front, 1 behind.
+    #[inline(always)]
+    fn side(&self, is_back: bool) -> usize {
+        usize::from(is_back && !self.is_symmetric)
+    }
+
     /// The material of a quarter.
     #[inline(always)]
     pub fn material<'a>(&'a self, bytes: &'a [u8], quarter: Quarter) -> Option<MaterialRef<'a>> {
-        let place = if self.is_symmetric { quarter as usize & 1 } else { quarter as usize };
+        let place = 2 * self.side(quarter.is_back()) + usize::from(quarter.is_transmission());
         let Part { start, length, header } = self.quarters[place].as_ref()?;
         Some(MaterialRef { bytes: part(bytes, *start..start + length), header })
     }
@@ -88,22 +95,14 @@ impl Head {
     /// Share of the draws that are reflected.
     #[inline(always)]
     pub fn reflected_share(&self, bytes: &[u8], wo: Vec3) -> f32 {
-        let is_back = wo.z < 0.0;
-        let has = |transmission: usize| {
-            let place = if self.is_symmetric { 0 } else { 2 * usize::from(is_back) };
-            self.quarters[place + transmission].is_some()
-        };
-        match [has(0), has(1)] {
+        let side = self.side(wo.z < 0.0);
+        match [0, 1].map(|transmission| self.quarters[2 * side + transmission].is_some()) {
             [true, true] => {
-                let height = if is_back { -wo.z } else { wo.z };
                 // A height that is no number counts as 0.
-                let place = (height * (HEIGHTS - 1) as f32).clamp(0.0, (HEIGHTS - 1) as f32);
+                let place = (upward(wo).z * (HEIGHTS - 1) as f32).clamp(0.0, (HEIGHTS - 1) as f32);
                 let below = (place as usize).min(HEIGHTS - 2);
-                let code = |n: usize| {
-                    let at = self.shares + if is_back && !self.is_symmetric { HEIGHTS } else { 0 } + n;
-                    f32::from(bytes[at])
-                };
-                let (low, high) = (code(below), code(below + 1));
+                let [low, high] =
+                    [below, below + 1].map(|n| f32::from(bytes[self.shares + HEIGHTS * side + n]));
                 let between = place - below as f32;
                 let share = low + (high - low) * if between > 0.0 { between } else { 0.0 };
                 share * (1.0 / 255.0)
@@ -113,11 +112,17 @@ impl Head {
         }
     }
 
-    /// The quarter that a viewer sees by reflected light, or by light that comes through; `None` where it is black.
+    /// The quarter that a viewer sees by reflected light, or by light that comes through; `None` where it is black. `reflected`: the
+    /// [share](Self::reflected_share) of `wo`.
     #[inline(always)]
-    pub fn seen<'a>(&'a self, bytes: &'a [u8], wo: Vec3, is_transmission: bool) -> Option<Seen<'a>> {
+    pub fn seen<'a>(
+        &'a self,
+        bytes: &'a [u8],
+        wo: Vec3,
+        is_transmission: bool,
+        reflected: f32,
+    ) -> Option<Seen<'a>> {
         let material = self.material(bytes, Quarter::of(wo.z < 0.0, is_transmission))?;
-        let reflected = self.reflected_share(bytes, wo);
         let share = if is_transmission { 1.0 - reflected } else { reflected };
         Some(Seen { material, wo: upward(wo), share })
     }
@@ -194,11 +199,11 @@ pub(super) fn validate(bytes: &[u8]) -> Result<Head, FormatError> {
 
 /// Mean power of a material at a height of `wo`.
 fn power_at(material: MaterialRef<'_>, height: f32) -> f32 {
-    let across = crate::float::sqrt((1.0 - height * height).max(0.0));
+    let across = sqrt((1.0 - height * height).max(0.0));
     let azimuths = if material.header.is_isotropic() { 1 } else { AZIMUTHS };
     let mut sum = 0.0;
     for n in 0..azimuths {
-        let (sin, cos) = crate::float::sin_cos_turns(n as f32 / azimuths as f32);
+        let (sin, cos) = sin_cos_turns(n as f32 / azimuths as f32);
         let wo = Vec3::new(across * cos, across * sin, height);
         let mut mixture = Mixture::<MAX_LOBES>::empty();
         // Of a mixture with room for all lobes: it cannot fail.
@@ -247,13 +252,7 @@ pub(super) fn encode(
             writer.end(start);
         }
     }
-    if !provenance.is_empty() {
-        let start = writer.begin(TEXT);
-        writer.put(provenance.as_bytes());
-        writer.end(start);
-    }
-    let checksum = crc32(&writer.out[..writer.at]);
-    writer.put(&checksum.to_le_bytes());
+    writer.seal(provenance, None);
     validate(&out[..needed])?;
     Ok(needed)
 }

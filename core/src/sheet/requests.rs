@@ -1,7 +1,7 @@
 //! Many hits on a sheet: each asks the material of the quarter that it sees, all of them together.
 
-use super::quarter::{Seen, is_across, upward};
-use super::{Sheet, chosen, drawn_share};
+use super::quarter::{Seen, upward};
+use super::{Sheet, drawn_share};
 use crate::error::Error;
 use crate::kernel::request::{Draws, Request, Towards, at};
 use crate::kernel::slices::one_length;
@@ -99,9 +99,9 @@ impl<B: AsRef<[u8]>> Sheet<B> {
         let mut is_flipped = [false; TOGETHER];
         for i in from..to {
             let (wo, u) = (at(&wo, i), at(&draws.u, i));
-            let (is_transmission, first) = chosen(self.reflected_share(wo), u.x);
+            let (seen, is_transmission, first) = self.drawn(wo, u.x);
             is_flipped[i - from] = (wo.z < 0.0) != is_transmission;
-            hits.put(i - from, self.seen(wo, is_transmission), Vec3::new(first, u.y, u.z));
+            hits.put(i - from, seen, Vec3::new(first, u.y, u.z));
         }
         hits.ask(|u| {
             let direction = draws.direction.each_mut().map(|s| of(s, from, to));
@@ -135,7 +135,7 @@ impl<B: AsRef<[u8]>> Sheet<B> {
     ) {
         for i in from..to {
             let (wo, wi) = (at(&wo, i), at(&towards.wi, i));
-            hits.put(i - from, self.seen(wo, is_across(wo, wi)), upward(wi));
+            hits.put(i - from, self.towards(wo, wi), upward(wi));
         }
         hits.ask(|wi| {
             let value = towards.value.as_mut().map(|v| v.each_mut().map(|s| of(s, from, to)));

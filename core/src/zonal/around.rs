@@ -36,7 +36,7 @@ pub(crate) fn where_around(axis: Vec3, direction: Vec3) -> [f32; 2] {
     let (tangent, bitangent) = frame(axis);
     let turns = float::atan2(chord.dot(bitangent), chord.dot(tangent)) * (0.5 / PI);
     // Adding 1 to a tiny negative number would round to 1.
-    let turns = if turns < 0.0 { (turns + 1.0).min(1.0 - f32::EPSILON / 2.0) } else { turns };
+    let turns = if turns < 0.0 { (turns + 1.0).min(float::BELOW_ONE) } else { turns };
     [(0.5 * chord.length_squared()).min(2.0), turns]
 }
 

@@ -2,6 +2,7 @@
 //! inversion.
 
 use super::around::{around, where_around};
+use crate::float::BELOW_ONE;
 use glam::Vec3;
 
 /// A kernel on the sphere, not negative, that depends on the angle to its axis alone.
@@ -58,6 +59,6 @@ pub trait Kernel {
     #[inline]
     fn invert_sample(&self, direction: Vec3) -> [f32; 2] {
         let [w, turns] = where_around(self.axis(), direction);
-        [self.share_within(w).min(1.0 - f32::EPSILON / 2.0), turns]
+        [self.share_within(w).min(BELOW_ONE), turns]
     }
 }

@@ -81,7 +81,7 @@ impl Grid {
 
     /// The angle from one azimuth of a ring to the next.
     pub fn step(&self) -> f64 {
-        TAU / (self.turns * if self.is_mirrored() { self.azimuths - 1 } else { self.azimuths }) as f64
+        TAU / (self.turns * self.cells()) as f64
     }
 
     /// Cells between the azimuths of a ring.

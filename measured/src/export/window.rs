@@ -67,16 +67,8 @@ fn degrees(radians: f64) -> f64 {
 
 /// A text within an element.
 fn escaped(text: &str) -> String {
-    text.chars().filter(|c| !c.is_control()).fold(String::new(), |all, c| match c {
-        '&' => all + "&amp;",
-        '<' => all + "&lt;",
-        '>' => all + "&gt;",
-        c => {
-            let mut all = all;
-            all.push(c);
-            all
-        }
-    })
+    let text: String = text.chars().filter(|c| !c.is_control()).collect();
+    text.replace('&', "&amp;").replace('<', "&lt;").replace('>', "&gt;")
 }
 
 #[cfg(test)]

@@ -173,16 +173,20 @@ impl Basis {
         all
     }
 
-    /// Middles of patches round a direction, and their shares of a value there: linear in both angles, constant beyond the last ring.
-    pub fn nodes(&self, [x, y, z]: [f64; 3]) -> [(usize, f64); 4] {
-        let theta = libm::acos(z.clamp(-1.0, 1.0));
-        let azimuth = libm::atan2(y, x).rem_euclid(TAU) / TAU;
-        let last = self.rings.len() - 1;
-        let after = self.rings.iter().position(|r| r.theta > theta).unwrap_or(last);
+    /// Rings on both sides of a direction, and their shares of a value there: linear in the angle, constant beyond the last ring.
+    pub(super) fn rings_beside(&self, d: [f64; 3]) -> [(usize, f64); 2] {
+        let theta = libm::acos(d[2].clamp(-1.0, 1.0));
+        let after = self.rings.iter().position(|r| r.theta > theta).unwrap_or(self.rings.len() - 1);
         let before = after.saturating_sub(1);
         let [low, high] = [before, after].map(|n| self.rings[n].theta);
         let share = if high > low { ((theta - low) / (high - low)).clamp(0.0, 1.0) } else { 1.0 };
-        let on_ring = |ring: usize, share: f64| {
+        [(before, 1.0 - share), (after, share)]
+    }
+
+    /// Middles of patches round a direction, and their shares of a value there: linear in both angles.
+    pub fn nodes(&self, d: [f64; 3]) -> [(usize, f64); 4] {
+        let azimuth = libm::atan2(d[1], d[0]).rem_euclid(TAU) / TAU;
+        let on_ring = |(ring, share): (usize, f64)| {
             let count = self.rings[ring].count;
             let turn = azimuth * count as f64;
             let n = turn as usize % count;
@@ -190,7 +194,7 @@ impl Basis {
             let at = |n: usize| self.first[ring] + n % count;
             [(at(n), share * (1.0 - between)), (at(n + 1), share * between)]
         };
-        let ([a, b], [c, d]) = (on_ring(before, 1.0 - share), on_ring(after, share));
+        let [[a, b], [c, d]] = self.rings_beside(d).map(on_ring);
         [a, b, c, d]
     }
 }

@@ -166,7 +166,7 @@ impl OfPatches {
         let place = turn / PI * (AZIMUTHS - 1) as f64;
         let n = (place as usize).min(AZIMUTHS - 2);
         let part = place - n as f64;
-        let (from, to) = (ring_shares(&self.incident, wi), ring_shares(&self.outgoing, wo));
+        let (from, to) = (self.incident.rings_beside(wi), self.outgoing.rings_beside(wo));
         let mut sum = 0.0;
         for (i, a) in from {
             for (o, b) in to {
@@ -180,8 +180,7 @@ impl OfPatches {
     fn f(&self, wi: [f64; 3], wo: [f64; 3]) -> f64 {
         let (broad, amplitude) = match &self.round {
             Some((values, narrow)) => {
-                let amplitude: f64 =
-                    ring_shares(&self.incident, wi).iter().map(|&(i, a)| a * narrow[i]).sum();
+                let amplitude: f64 = self.incident.rings_beside(wi).iter().map(|&(i, a)| a * narrow[i]).sum();
                 (self.round_between(values, wi, wo), amplitude)
             }
             None => {
@@ -194,20 +193,12 @@ impl OfPatches {
 
     /// Which mirrors and turns leave it as it is.
     fn symmetry_of(&self) -> Symmetry {
-        let is_equal = |image: &dyn Fn([f64; 3]) -> [f64; 3]| {
-            let (mut apart, mut all) = (0.0, 0.0);
-            for c in 0..self.incident.len() {
-                for r in 0..self.outgoing.len() {
-                    let (wi, wo) = (self.incident.light(c), self.outgoing.middle(r));
-                    let weight = self.incident.projected(c) * self.outgoing.projected(r);
-                    let (own, other) = (self.f(wi, wo), self.f(image(wi), image(wo)));
-                    apart += weight * (own - other).powi(2);
-                    all += weight * own * own;
-                }
-            }
-            apart <= EQUAL * EQUAL * all
+        let at_middles = |image: &dyn Fn([f64; 3]) -> [f64; 3]| {
+            PatchMatrix::at_middles(&self.outgoing, &self.incident, |wi, wo| self.f(image(wi), image(wo)))
         };
-        let half = is_equal(&|[x, y, z]| [-x, -y, z]);
+        let own = at_middles(&|d| d);
+        let is_equal = |image: &dyn Fn([f64; 3]) -> [f64; 3]| at_middles(image).distance(&own) <= EQUAL;
+        let half = is_equal(&mirror);
         match half {
             true if is_equal(&|[x, y, z]| [-x, y, z]) => Symmetry::Quadrant,
             true => Symmetry::HalfTurn,
@@ -261,17 +252,6 @@ fn refine(values: &mut [f64], data: &[f64], shares: &[Vec<(usize, f64)>], column
             *value *= up[n] / all;
         }
     }
-}
-
-/// Rings round a direction, and their shares.
-fn ring_shares(basis: &Basis, d: [f64; 3]) -> [(usize, f64); 2] {
-    let theta = libm::acos(d[2].clamp(-1.0, 1.0));
-    let rings = basis.rings();
-    let after = rings.iter().position(|r| r.theta > theta).unwrap_or(rings.len() - 1);
-    let before = after.saturating_sub(1);
-    let (low, high) = (rings[before].theta, rings[after].theta);
-    let share = if high > low { ((theta - low) / (high - low)).clamp(0.0, 1.0) } else { 1.0 };
-    [(before, 1.0 - share), (after, share)]
 }
 
 #[cfg(test)]
@@ -329,15 +309,7 @@ mod tests {
     fn light_the_other_way_is_the_same_function() {
         let basis = Basis::klems_full();
         let one = |wi: [f64; 3], wo: [f64; 3]| 0.2 + 0.1 * wi[1] + 0.05 * wo[0];
-        let points = |n: usize| basis.middle(n);
-        let matrix = PatchMatrix {
-            outgoing: basis.clone(),
-            incident: basis.clone(),
-            values: (0..145)
-                .flat_map(|r| (0..145).map(move |c| (r, c)))
-                .map(|(r, c)| one(basis.light(c), points(r)))
-                .collect(),
-        };
+        let matrix = PatchMatrix::at_middles(&basis, &basis, one);
         let reversed = matrix.reversed().unwrap();
         for (r, c) in [(0, 0), (3, 90), (140, 2), (77, 20)] {
             assert!((reversed.at(r, c) - one(basis.middle(r), basis.light(c))).abs() < 1e-9);

@@ -85,7 +85,7 @@ impl Window {
             fault(format!("a file of a window (WINDOW, Radiance) that is no whole XML: {error}"))
         })?;
         let root = document.root_element();
-        if !root.has_tag_name_of("WindowElement") {
+        if !is(root, "WindowElement") {
             return Err(fault(format!("<{}> where <WindowElement> was expected", root.tag_name().name())));
         }
         let bases = bases(root)?;
@@ -209,20 +209,14 @@ fn tree_or(order: &str) -> ReadError {
     })
 }
 
-trait TagName {
-    fn has_tag_name_of(&self, name: &str) -> bool;
-}
-
-impl TagName for Node<'_, '_> {
-    /// Whatever the namespace.
-    fn has_tag_name_of(&self, name: &str) -> bool {
-        self.is_element() && self.tag_name().name() == name
-    }
+/// Whether an element has a name, whatever its namespace.
+fn is(node: Node<'_, '_>, name: &str) -> bool {
+    node.is_element() && node.tag_name().name() == name
 }
 
 /// Elements of a name within one.
 fn all<'a, 'd>(node: Node<'a, 'd>, name: &'static str) -> impl Iterator<Item = Node<'a, 'd>> {
-    node.descendants().filter(move |n| n.has_tag_name_of(name))
+    node.descendants().filter(move |n| is(*n, name))
 }
 
 fn content<'a>(node: Node<'a, '_>) -> &'a str {

@@ -1,5 +1,7 @@
 //! Options for the conventions that a file of samples leaves open.
 
+use crate::truth::stored::QUARTERS;
+use clap::builder::{PossibleValuesParser, TypedValueParser};
 use srbf_core::Quarter;
 use srbf_fit::read::window::Band;
 use srbf_fit::read::{Angles, ChosenWavelengths, Conventions, Mirror, Values};
@@ -32,19 +34,11 @@ pub struct ConventionArgs {
     wavelengths: Option<ChosenWavelengths>,
     /// The part of a sheet that is read: reflection or transmission, as a viewer in front or behind sees it
     /// [default: the reflection of the front; `fit` of a file of a window: all]
-    #[arg(long, value_name = "WHICH")]
-    quarter: Option<QuarterName>,
+    #[arg(long, value_name = "WHICH", value_parser = PossibleValuesParser::new(QUARTERS).map(quarter))]
+    quarter: Option<Quarter>,
     /// Of a file of a window, the part of the spectrum
     #[arg(long, value_name = "NAME", default_value = "visible", hide_default_value = true)]
     band: BandName,
-}
-
-#[derive(Clone, Copy, Debug, clap::ValueEnum)]
-enum QuarterName {
-    FrontReflection,
-    FrontTransmission,
-    BackReflection,
-    BackTransmission,
 }
 
 #[derive(Clone, Copy, Debug, clap::ValueEnum)]
@@ -85,6 +79,12 @@ enum SaturatedName {
     LeaveOut,
 }
 
+/// The quarter of one of the names.
+fn quarter(name: String) -> Quarter {
+    let place = QUARTERS.iter().position(|own| *own == name);
+    Quarter::ALL[place.unwrap_or_default()]
+}
+
 fn factor(text: &str) -> Result<f64, String> {
     let (number, unit) = text.strip_suffix("pi").map_or((text, 1.0), |number| (number, PI));
     let number = if number.is_empty() { Ok(1.0) } else { number.parse::<f64>() };
@@ -122,7 +122,7 @@ impl ConventionArgs {
             is_saturated: self.saturated == Some(SaturatedName::LeaveOut),
             divide: self.divide,
             wavelengths: self.wavelengths,
-            quarter: Quarter::ALL[self.quarter.map_or(0, |name| name as usize)],
+            quarter: self.quarter.unwrap_or(Quarter::FrontReflection),
             band: match self.band {
                 BandName::Visible => Band::Visible,
                 BandName::Solar => Band::Solar,

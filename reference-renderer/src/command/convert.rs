@@ -131,9 +131,9 @@ fn write_window(args: &Args) -> anyhow::Result<()> {
             }
             Err(error) => return Err(error.into()),
         }
-    } else if let Some(window) = sheet_of(&args.input, &conventions)? {
+    } else if let Some(sheet) = sheet_of(&args.input, &conventions)? {
         let of = |quarter| {
-            let brdf = window.brdf(quarter)?;
+            let brdf = sheet.window.brdf(quarter)?;
             Some(PatchMatrix::of(&basis, &basis, |wi, wo| brdf.evaluate(wi, wo)[0]))
         };
         Quarter::ALL.map(of)

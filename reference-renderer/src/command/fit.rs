@@ -96,9 +96,9 @@ fn fit_one(args: &Args, place: &Job, picture: Option<&Path>) -> anyhow::Result<(
     let file = &place.file;
     let conventions = args.conventions.conventions();
     if args.conventions.is_of_all_quarters()
-        && let Some(window) = srbf_fit::read::sheet_of(file, &conventions)?
+        && let Some(sheet) = srbf_fit::read::sheet_of(file, &conventions)?
     {
-        return sheet::fit(args, place, picture, &window, &conventions);
+        return sheet::fit(args, place, picture, &sheet);
     }
     let source = method::read(file, args.material.as_deref(), &conventions)?;
     check_options(file, &source.content, &args.settings)?;

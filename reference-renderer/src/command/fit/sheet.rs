@@ -5,42 +5,37 @@ use super::{Args, fit_page, words};
 use crate::out::output;
 use crate::out::print::shown;
 use crate::out::progress::Progress;
-use crate::truth::stored::QUARTERS as NAMES;
+use crate::truth::stored::QUARTERS;
 use anyhow::{Context, bail};
 use srbf_core::{Material, Quarter};
 use srbf_fit::judge::report::Input;
+use srbf_fit::read::SheetSource;
 use srbf_fit::read::window::{Window, words as quarter_words};
-use srbf_fit::read::{Conventions, read_with};
-use srbf_fit::{FitError, SheetFit, fit_sheet};
+use srbf_fit::{QuarterFit, SheetFit, fit_sheet, stored};
 use std::path::{Path, PathBuf};
 
 /// The picture of a quarter, beside that of the whole.
 fn picture_of(picture: &Path, quarter: Quarter) -> PathBuf {
     let stem = picture.file_stem().unwrap_or_default().to_string_lossy();
     let ending = picture.extension().unwrap_or_default().to_string_lossy();
-    picture.with_file_name(format!("{stem}-{}.{ending}", NAMES[quarter as usize]))
+    picture.with_file_name(format!("{stem}-{}.{ending}", QUARTERS[quarter as usize]))
 }
 
 /// Fits all quarters of a sheet, with a picture of each, and one report.
-pub fn fit(
-    args: &Args,
-    place: &Job,
-    picture: Option<&Path>,
-    window: &Window,
-    conventions: &Conventions,
-) -> anyhow::Result<()> {
+pub fn fit(args: &Args, place: &Job, picture: Option<&Path>, sheet: &SheetSource) -> anyhow::Result<()> {
+    let SheetSource { window, name, sha256 } = sheet;
     if args.cross_validate || args.method != super::MethodName::Tracked {
         bail!("{}: a sheet is fitted by our own method, without --cross-validate", shown(&place.file));
     }
+    for quarter in stored(sheet) {
+        picture.map_or(Ok(()), |path| output::check_place(&picture_of(path, quarter)))?;
+    }
     let light = picture.map(|_| args.picture.light()).transpose()?;
     let mut settings = args.settings.settings();
-    let first = read_with(&place.file, &Conventions { quarter: first(window), ..*conventions })?;
-    settings.provenance = format!("{}, SHA-256 {}\n", first.name, first.sha256);
-    let read =
-        |quarter| -> Result<_, FitError> { read_with(&place.file, &Conventions { quarter, ..*conventions }) };
-    let progress = Progress::of_shares(&first.name);
-    let fit = fit_sheet(window, &settings, read, |share| progress.set_share(share))
-        .with_context(|| shown(&place.file))?;
+    settings.provenance = format!("{name}, SHA-256 {sha256}\n");
+    let progress = Progress::of_shares(name);
+    let fit =
+        fit_sheet(sheet, &settings, |share| progress.set_share(share)).with_context(|| shown(&place.file))?;
     drop(progress);
 
     let files = output::together();
@@ -48,22 +43,20 @@ pub fn fit(
     let mut json = fit.to_json(window);
     let mut pictures = Vec::new();
     let mut quarters = serde_json::Map::new();
-    for (quarter, fit) in &fit.quarters {
-        let name = NAMES[*quarter as usize];
+    for QuarterFit { quarter, fit, .. } in &fit.quarters {
+        let own = QUARTERS[*quarter as usize];
         let material = Material::from_bytes(fit.bytes.as_slice())?;
-        let input = Input { name: format!("{}, {name}", first.name), sha256: first.sha256.clone() };
-        let own = fit.report.to_json(&material, &input, &settings)?;
-        args.words.say_quarter(quarter_words(*quarter), &fit.report, &material)?;
-        let words = args.words.words_of(&fit.report, &material)?;
-        quarters.insert(name.to_owned(), serde_json::from_str(&own)?);
-        if let Some((path, light)) = picture.zip(light.as_ref()) {
+        let input = Input { name: format!("{name}, {own}"), sha256: sha256.clone() };
+        let report = fit.report.to_json(&material, &input, &settings)?;
+        let words = args.words.say_quarter(quarter_words(*quarter), &fit.report, &material)?;
+        quarters.insert(own.to_owned(), serde_json::from_str(&report)?);
+        if let Some(((path, light), source)) = picture.zip(light.as_ref()).zip(sheet.quarter(*quarter)) {
             let path = picture_of(path, *quarter);
-            args.picture.write(&path, &path, light, (fit.bytes.clone(), read(*quarter)?), &words)?;
+            args.picture.write(&path, &path, light, (fit.bytes.clone(), source), &words)?;
             if let Some(page) = args.picture.page(&path) {
                 let title = place.output.file_stem().unwrap_or_default().to_string_lossy();
-                let name = format!("{title}, {name}");
                 let subject = fit_page::Subject {
-                    name: &name,
+                    name: &format!("{title}, {own}"),
                     words: &words,
                     report: Some(&fit.report),
                     picture: &path,
@@ -91,12 +84,6 @@ pub fn fit(
     Ok(())
 }
 
-/// The first quarter that there is.
-fn first(window: &Window) -> Quarter {
-    let is_there = |q: &Quarter| window.quarters[*q as usize].is_some();
-    Quarter::ALL.into_iter().find(is_there).unwrap_or(Quarter::FrontReflection)
-}
-
 /// Prints where the light goes.
 fn say(output: &Path, window: &Window, fit: &SheetFit) {
     println!("{}: {} bytes, {} quarters", shown(output), fit.bytes.len(), fit.quarters.len());
@@ -116,8 +103,12 @@ fn say(output: &Path, window: &Window, fit: &SheetFit) {
             100.0 / window.scale
         );
     }
-    for ((quarter, _), apart) in fit.quarters.iter().zip(&fit.patches) {
-        println!("patch {}: values differ by {:.1} % (relative L2)", quarter_words(*quarter), 100.0 * apart);
+    for QuarterFit { quarter, patches, .. } in &fit.quarters {
+        println!(
+            "patch {}: values differ by {:.1} % (relative L2)",
+            quarter_words(*quarter),
+            100.0 * patches
+        );
     }
     for (name, lights) in ["front", "back"].into_iter().zip(&fit.sides) {
         if fit.is_symmetric && name == "back" {

@@ -39,13 +39,7 @@ impl Args {
         material: &Material<&[u8]>,
         json: &str,
     ) -> anyhow::Result<Vec<String>> {
-        let (lobes, views) = (material.lobe_count(), material.view_count());
-        let heading = format!(
-            "{}: {} bytes, {lobes} lobes at {views} views, fitted in {:.1} s",
-            shown(&place.output),
-            material.bytes().len(),
-            report.seconds
-        );
+        let heading = heading(&shown(&place.output), report, material);
         self.say(&heading, report, material, Some(material), json)
     }
 
@@ -54,23 +48,16 @@ impl Args {
         self.json
     }
 
-    /// Says how good the fit of a quarter of a sheet is.
-    pub fn say_quarter(&self, name: &str, report: &Report, material: &Material<&[u8]>) -> anyhow::Result<()> {
-        let (lobes, views) = (material.lobe_count(), material.view_count());
-        let bytes = material.bytes().len();
-        let heading = format!(
-            "{name}: {bytes} bytes, {lobes} lobes at {views} views, fitted in {:.1} s",
-            report.seconds
-        );
-        if !self.json {
-            self.say(&heading, report, material, Some(material), "")?;
-        }
-        Ok(())
-    }
-
-    /// The words of the verdict on a fit.
-    pub fn words_of(&self, report: &Report, material: &Material<&[u8]>) -> anyhow::Result<Vec<String>> {
-        Ok(view_table::words(report, &Verdict::of_material(report, &reciprocity(material)?)))
+    /// Says how good the fit of a quarter of a sheet is; gives the words.
+    pub fn say_quarter(
+        &self,
+        name: &str,
+        report: &Report,
+        material: &Material<&[u8]>,
+    ) -> anyhow::Result<Vec<String>> {
+        let heading = heading(name, report, material);
+        // The report of the sheet is printed as one.
+        self.say(&heading, report, material, Some(material), "")
     }
 
     /// Says how good a fit by another method is.
@@ -121,6 +108,17 @@ impl Args {
         println!("wrote {}", paths.join(", "));
         println!("next  {next}");
     }
+}
+
+/// The line above the words on a fit.
+fn heading(name: &str, report: &Report, material: &Material<&[u8]>) -> String {
+    format!(
+        "{name}: {} bytes, {} lobes at {} views, fitted in {:.1} s",
+        material.bytes().len(),
+        material.lobe_count(),
+        material.view_count(),
+        report.seconds
+    )
 }
 
 /// What to do with a material next.
