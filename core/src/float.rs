@@ -7,7 +7,7 @@ pub(crate) use crate::simd::elementary::sin_cos;
 pub(crate) use crate::simd::elementary::sin_cos_turns;
 pub(crate) use crate::simd::scalar::sqrt;
 
-/// The largest number below 1: uniform numbers lie in [0, 1), and what is worked out of them may round to 1.
+/// The largest number below 1: uniform numbers lie in [0, 1), and a number computed from them may round to 1.
 pub(crate) const BELOW_ONE: f32 = 1.0 - f32::EPSILON / 2.0;
 
 /// `2^x`: 0 below -160, infinite from 130 on.
