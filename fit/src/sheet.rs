@@ -6,12 +6,12 @@ use crate::fit::fit_source;
 use crate::judge::fitted_material::values_towards;
 use crate::judge::report::Fit;
 use crate::patches::{Basis, PatchMatrix, Ring};
-use crate::read::window::{Window, words};
+use crate::read::window::words;
 use crate::read::{Content, SheetSource};
 use crate::table::Symmetry;
 use crate::{FitError, Settings};
 use serde_json::{Value, json};
-use srbf_core::{Material, Quarter, Sheet};
+use srbf_core::{MAX_LOBES, Material, Quarter, Sheet, SheetMixture, Vec3, luminance};
 
 /// Relative L2 distance of two quarters up to which the back is like the front.
 const LIKE: f64 = 0.01;
@@ -19,17 +19,25 @@ const LIKE: f64 = 0.01;
 /// Most bytes of an isotropic quarter, unless the settings have another number than their default: four are no more than 24 kB.
 const BYTES: usize = 5900;
 
+/// Angles of the light in [`light_of_sheet`], degrees.
+const ANGLES: [f64; 9] = [0.0, 10.0, 20.0, 30.0, 40.0, 50.0, 60.0, 70.0, 80.0];
+
+/// The largest share of the light that samples may reflect and transmit together: rounding, and the noise of a fit.
+const MOST: f64 = 1.002;
+
 /// A sheet, and how well its quarters fit.
 #[derive(Debug)]
 pub struct SheetFit {
     /// The `.srbf` bytes of the sheet.
     pub bytes: Vec<u8>,
-    /// The quarters that are stored.
+    /// The quarters that are fitted.
     pub quarters: Vec<QuarterFit>,
     /// Light that falls on the front, and on the back, by angle.
     pub sides: [Vec<Light>; 2],
     /// Whether the back is like the front.
     pub is_symmetric: bool,
+    /// The number that values were multiplied by, so that no more light leaves than falls on the sheet.
+    pub scale: f64,
 }
 
 /// The fit of a quarter.
@@ -39,8 +47,8 @@ pub struct QuarterFit {
     pub quarter: Quarter,
     /// The material and its report.
     pub fit: Fit,
-    /// Relative L2 distance of the values of its patches from the data.
-    pub patches: f64,
+    /// Relative L2 distance of the values of its patches from the data, which have patches.
+    pub patches: Option<f64>,
 }
 
 /// Where the light goes that falls on one side at an angle; means over the azimuth.
@@ -48,15 +56,16 @@ pub struct QuarterFit {
 pub struct Light {
     /// The angle from the normal, radians.
     pub theta: f64,
-    /// Reflected share: of the data, of the fit.
-    pub reflected: [f64; 2],
-    /// Transmitted share: of the data, of the fit.
-    pub transmitted: [f64; 2],
+    /// Shares of the data that are reflected and transmitted, where these are patches.
+    pub data: Option<[f64; 2]>,
+    /// Those of the fit.
+    pub fit: [f64; 2],
 }
 
-/// Fits all quarters of a sheet, whose values are means over patches.
+/// Fits all quarters of a sheet.
 ///
-/// `progress` is called with the share of the work that is done, 0 to 1.
+/// Samples that reflect and transmit more than the light that falls on them are fitted once more, with lower values. `progress` is called
+/// with the share of the work that is done, 0 to 1.
 ///
 /// # Errors
 /// As [`fit_source`].
@@ -65,8 +74,22 @@ pub fn fit_sheet(
     settings: &Settings,
     mut progress: impl FnMut(f64) + Send,
 ) -> Result<SheetFit, FitError> {
-    let window = &sheet.window;
-    let is_symmetric = is_symmetric(window);
+    let fit = fit_once(sheet, settings, &mut progress)?;
+    let most = fit.sides.iter().flatten().map(|light| light.fit[0] + light.fit[1]).fold(0.0, f64::max);
+    if sheet.window.is_some() || most <= MOST {
+        return Ok(fit);
+    }
+    let scale = 1.0 / most;
+    Ok(SheetFit { scale, ..fit_once(&sheet.dimmed(scale)?, settings, &mut progress)? })
+}
+
+fn fit_once(
+    sheet: &SheetSource,
+    settings: &Settings,
+    mut progress: impl FnMut(f64) + Send,
+) -> Result<SheetFit, FitError> {
+    let window = sheet.window.as_ref();
+    let is_symmetric = is_symmetric(sheet);
     let wanted = stored(sheet);
     let mut fits = Vec::new();
     for (n, quarter) in wanted.iter().enumerate() {
@@ -76,39 +99,47 @@ pub fn fit_sheet(
             matches!(&source.content, Content::Evaluable(brdf) if brdf.symmetry() == Symmetry::Isotropic);
         let is_default = settings.bytes == Settings::default().bytes;
         let bytes = if is_round && is_default { BYTES } else { settings.bytes };
-        fits.push((*quarter, fit_source(&source, &Settings { bytes, ..settings.clone() }, done)?));
+        fits.push((*quarter, fit_source(source, &Settings { bytes, ..settings.clone() }, done)?));
     }
     let mut materials: [Option<Material<&[u8]>>; 4] = [const { None }; 4];
     for (quarter, fit) in &fits {
         materials[*quarter as usize] = Some(Material::from_bytes(fit.bytes.as_slice())?);
     }
-    let stored = materials.each_ref().map(Option::as_ref);
+    let mut stored = materials.each_ref().map(Option::as_ref);
+    if sheet.is_one_way {
+        stored[Quarter::BackTransmission as usize] = stored[Quarter::FrontTransmission as usize];
+    }
     let mut bytes = vec![0; Sheet::encoded_len(stored, &settings.provenance)];
     Sheet::encode(stored, is_symmetric, &settings.provenance, &mut bytes)?;
     let mut fitted: [Option<PatchMatrix>; 4] = [const { None }; 4];
-    for (place, data) in window.quarters.iter().enumerate() {
+    let data = |place: usize| window.and_then(|window| window.quarters[place].as_ref());
+    for (place, fitted) in fitted.iter_mut().enumerate() {
         let material = materials[place & if is_symmetric { 1 } else { 3 }].as_ref();
-        let means = data.as_ref().zip(material).map(|(d, m)| means_over(&d.outgoing, &d.incident, m));
-        fitted[place] = means.transpose()?;
+        let means = data(place).zip(material).map(|(d, m)| means_over(&d.outgoing, &d.incident, m));
+        *fitted = means.transpose()?;
     }
-    // Light is reflected to the side that it comes from, and seen through the sheet from the other.
-    let sides = [(0, 3), (2, 1)].map(|(reflected, transmitted)| {
-        let of = |place: usize| [&window.quarters[place], &fitted[place]];
-        lights(of(reflected), of(transmitted))
-    });
+    let sides = if window.is_some() {
+        // Light is reflected to the side that it comes from, and seen through the sheet from the other.
+        [(0, 3), (2, 1)].map(|(reflected, transmitted)| {
+            let of = |place: usize| [data(place), fitted[place].as_ref()];
+            lights(of(reflected), of(transmitted))
+        })
+    } else {
+        light_of_sheet(&bytes)?
+    };
     let of_quarter = |(quarter, fit): (Quarter, Fit)| {
-        let both = window.quarters[quarter as usize].as_ref().zip(fitted[quarter as usize].as_ref());
-        QuarterFit { quarter, fit, patches: both.map_or(0.0, |(data, own)| own.distance(data)) }
+        let both = data(quarter as usize).zip(fitted[quarter as usize].as_ref());
+        QuarterFit { quarter, fit, patches: both.map(|(data, own)| own.distance(data)) }
     };
     let quarters = fits.into_iter().map(of_quarter).collect();
-    Ok(SheetFit { bytes, quarters, sides, is_symmetric })
+    let scale = window.map_or(1.0, |window| window.scale);
+    Ok(SheetFit { bytes, quarters, sides, is_symmetric, scale })
 }
 
 /// The quarters of a sheet that are fitted and stored: not those of a back that is like the front.
 pub fn stored(sheet: &SheetSource) -> Vec<Quarter> {
-    let is_symmetric = is_symmetric(&sheet.window);
-    let is_there =
-        |q: &Quarter| sheet.window.quarters[*q as usize].is_some() && !(is_symmetric && q.is_back());
+    let is_symmetric = is_symmetric(sheet);
+    let is_there = |q: &Quarter| sheet.quarters[*q as usize].is_some() && !(is_symmetric && q.is_back());
     Quarter::ALL.into_iter().filter(is_there).collect()
 }
 
@@ -136,8 +167,9 @@ pub fn klems_of(material: &Material<impl AsRef<[u8]>>) -> Result<PatchMatrix, Fi
     means_over(&basis, &basis, material)
 }
 
-/// Whether the back is like the front, as far as the data tell.
-fn is_symmetric(window: &Window) -> bool {
+/// Whether the back is like the front, as far as patches tell.
+fn is_symmetric(sheet: &SheetSource) -> bool {
+    let Some(window) = &sheet.window else { return false };
     let is_like = |front: usize, back: usize| match (&window.quarters[front], &window.quarters[back]) {
         (Some(a), Some(b)) => a.outgoing == b.outgoing && a.incident == b.incident && a.distance(b) <= LIKE,
         (None, None) => true,
@@ -167,34 +199,52 @@ fn means_over(
 }
 
 /// Where the light of one side goes, of data and fit.
-fn lights(reflected: [&Option<PatchMatrix>; 2], transmitted: [&Option<PatchMatrix>; 2]) -> Vec<Light> {
-    let Some(basis) = reflected.iter().chain(&transmitted).find_map(|m| m.as_ref()).map(|m| &m.incident)
-    else {
+fn lights(reflected: [Option<&PatchMatrix>; 2], transmitted: [Option<&PatchMatrix>; 2]) -> Vec<Light> {
+    let Some(basis) = reflected.iter().chain(&transmitted).flatten().next().map(|m| &m.incident) else {
         return Vec::new();
     };
-    let mean = |matrix: &Option<PatchMatrix>, ring: usize| {
+    let mean = |matrix: Option<&PatchMatrix>, ring: usize| {
         let (first, count) = basis.ring(ring);
         matrix
-            .as_ref()
             .filter(|m| m.incident == *basis)
             .map_or(0.0, |m| (first..first + count).map(|c| m.sum(c)).sum::<f64>() / count as f64)
     };
-    let light = |(ring, of): (usize, &Ring)| Light {
-        theta: of.theta,
-        reflected: reflected.map(|m| mean(m, ring)),
-        transmitted: transmitted.map(|m| mean(m, ring)),
+    let light = |(ring, of): (usize, &Ring)| {
+        let [data, fit] = [0, 1].map(|n| [reflected[n], transmitted[n]].map(|m| mean(m, ring)));
+        Light { theta: of.theta, data: Some(data), fit }
     };
     basis.rings().iter().enumerate().map(light).collect()
 }
 
+/// Where the light goes that falls on the front of a sheet, and on its back. By reciprocity, the albedo towards a viewer is that of light
+/// from there.
+///
+/// # Errors
+/// [`FitError::Format`] for bytes that are no sheet.
+pub fn light_of_sheet(bytes: &[u8]) -> Result<[Vec<Light>; 2], FitError> {
+    let sheet = Sheet::from_bytes(bytes)?;
+    let light = |degrees: f64, side: f64| {
+        let theta = degrees.to_radians();
+        let wo = Vec3::new(libm::sin(theta) as f32, 0.0, (side * libm::cos(theta)) as f32);
+        let mut pair = SheetMixture::<MAX_LOBES>::empty();
+        sheet.prepare(wo, &mut pair)?;
+        let fit = pair.albedos().map(|rgb| f64::from(luminance(rgb)));
+        Ok(Light { theta, data: None, fit })
+    };
+    let side =
+        |side: f64| ANGLES.into_iter().map(|degrees| light(degrees, side)).collect::<Result<_, FitError>>();
+    Ok([side(1.0)?, side(-1.0)?])
+}
+
 impl SheetFit {
     /// The report as JSON, beside those of the quarters.
-    pub fn to_json(&self, window: &Window) -> Value {
+    pub fn to_json(&self, sheet: &SheetSource) -> Value {
         let light = |l: &Light| {
+            let data = |which: usize| l.data.map(|data| data[which]);
             json!({
                 "theta_deg": l.theta.to_degrees(),
-                "reflected": {"data": l.reflected[0], "fit": l.reflected[1]},
-                "transmitted": {"data": l.transmitted[0], "fit": l.transmitted[1]},
+                "reflected": {"data": data(0), "fit": l.fit[0]},
+                "transmitted": {"data": data(1), "fit": l.fit[1]},
             })
         };
         let side = |lights: &[Light]| lights.iter().map(light).collect::<Vec<_>>();
@@ -203,11 +253,12 @@ impl SheetFit {
             .iter()
             .map(|q| json!({"quarter": words(q.quarter), "relative_l2_of_patches": q.patches}));
         json!({
-            "name": srbf_core::printable(&window.name).to_string(),
+            "name": sheet.window.as_ref().map_or_else(|| sheet.name.clone(), |w| srbf_core::printable(&w.name).to_string()),
             "bytes": self.bytes.len(),
             "back_is_like_front": self.is_symmetric,
-            "transmission_of_both_sides_differs_by": window.disagreement,
-            "values_were_scaled_by": window.scale,
+            "transmission_of_both_sides_differs_by": sheet.window.as_ref().and_then(|w| w.disagreement),
+            "transmissions_are_one_measurement": sheet.is_one_way,
+            "values_were_scaled_by": self.scale,
             "light_on_front": side(&self.sides[0]),
             "light_on_back": side(&self.sides[1]),
             "patches": patches.collect::<Vec<_>>(),

@@ -9,31 +9,25 @@ use srbf_fit::{FactorNodes, Fit, FitError, Settings, fit, fit_content};
 const STORABLE: std::ops::RangeInclusive<f64> = 1e-15..=1e30;
 
 /// Numbers of every decade at the ends, where a step of the arithmetic overflows or is lost, and some between.
-const SIZES: [f64; 26] = [
+const SIZES: [f64; 20] = [
     f64::MIN_POSITIVE / 4.0,
     1e-308,
     1e-300,
     1e-155,
-    1e-100,
     1e-30,
     0.99e-15,
     1.01e-15,
-    1e-12,
     1e-9,
     1e-2,
     0.3,
     1.0,
-    1e10,
     1e12,
-    1e13,
     1e14,
     1e15,
-    1e16,
     1e20,
     0.99e30,
     1.01e30,
     1e100,
-    1e155,
     1e300,
     f64::MAX,
 ];

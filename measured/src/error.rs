@@ -51,6 +51,9 @@ pub enum ReadError {
         /// The missing thing.
         expected: String,
     },
+    /// No row is a sample; the text says why.
+    #[error("no samples{}", printable(.0))]
+    NoSamples(String),
     /// Something other than a number is wrong; the text says what and where.
     #[error("{}", printable(.0))]
     Content(String),

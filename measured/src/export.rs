@@ -12,8 +12,10 @@ mod samples;
 mod window;
 
 use crate::FitError;
+use crate::read::turned_over;
 use crate::row::Row;
-use crate::table::{Brdf, Density, Symmetry, Table, direction, evaluation_views};
+use crate::table::{Brdf, Density, Symmetry, Table, View, direction, evaluation_views};
+use srbf_core::Quarter;
 use std::f64::consts::{PI, TAU};
 
 pub use bsdf::rgl;
@@ -44,6 +46,40 @@ pub fn sampled(brdf: &dyn Brdf) -> Result<Table, FitError> {
 /// Samples of a BRDF that a turn changes, as our own CSV: 9 angles by 12 azimuths of the outgoing direction, and some 300 incident ones
 /// each, a third of them round the mirror direction. Those that were not measured are left out. Gives their number too.
 pub fn csv_of_turned(brdf: &dyn Brdf) -> (String, usize) {
+    let rows = rows_of_turned(brdf);
+    (csv_of_rows(&rows), rows.len())
+}
+
+/// Samples of all quarters of a sheet, in the order of [`Quarter::ALL`], as our own CSV: of each those that its surface alone would have.
+/// Directions behind the sheet have a height below 0. Gives their number too.
+///
+/// # Errors
+/// As [`measured`].
+pub fn csv_of_sheet(quarters: [Option<&dyn Brdf>; 4]) -> Result<(String, usize), FitError> {
+    let mut all = Vec::new();
+    for (quarter, brdf) in Quarter::ALL.into_iter().zip(quarters) {
+        let Some(brdf) = brdf else { continue };
+        let rows = match brdf.symmetry() {
+            Symmetry::Isotropic => rows_of_table(&measured(brdf)?.0),
+            _ => rows_of_turned(brdf),
+        };
+        all.extend(rows.into_iter().map(|row| {
+            let [wi, wo] = turned_over(quarter, [row.wi, row.wo]);
+            Row { wi, wo, ..row }
+        }));
+    }
+    Ok((csv_of_rows(&all), all.len()))
+}
+
+fn rows_of_table(table: &Table) -> Vec<Row> {
+    let of_view = |view: &View| {
+        let wo = direction(view.theta, PI);
+        view.samples.iter().map(move |s| Row { line: 0, wi: s.direction, wo, rgb: s.rgb }).collect::<Vec<_>>()
+    };
+    table.views.iter().flat_map(of_view).collect()
+}
+
+fn rows_of_turned(brdf: &dyn Brdf) -> Vec<Row> {
     let mut rows = Vec::new();
     for (n, theta) in (0..TURNED_VIEWS).map(|n| (n, 0.02 + 1.4 * n as f64 / (TURNED_VIEWS - 1) as f64)) {
         for turn in 0..TURNS {
@@ -57,7 +93,7 @@ pub fn csv_of_turned(brdf: &dyn Brdf) -> (String, usize) {
             }
         }
     }
-    (csv_of_rows(&rows), rows.len())
+    rows
 }
 
 /// [`sampled`] without samples most of whose value was not measured, and the share of those.

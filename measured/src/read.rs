@@ -30,6 +30,7 @@ mod rusinkiewicz;
 pub(crate) mod scatter;
 pub mod scatter_tables;
 mod sentinels;
+mod sheet;
 mod spectra;
 mod spectrum;
 pub mod speos;
@@ -49,7 +50,7 @@ use crate::{FitError, ReadError};
 pub use filled::Filled;
 use format::Format;
 use sha2::{Digest, Sha256};
-use srbf_core::{Quarter, printable};
+use srbf_core::printable;
 use std::path::Path;
 
 pub use crate::file::spectrum::SpectralCurve;
@@ -59,6 +60,8 @@ pub use chosen::ChosenWavelengths;
 pub use conventions::{Angles, Conventions, Mirror, Values};
 pub use intake::{Intake, LeftOut, Note};
 pub use reason::Reason;
+pub(crate) use sheet::turned_over;
+pub use sheet::{SheetSource, sheet_of};
 pub use spectra::{BandError, Spectra, SpectralErrors, SpectralSample};
 
 /// Memory that the samples of a text take, over its own: nine numbers of two bytes or more become two samples of 50, and stay with their
@@ -222,28 +225,41 @@ fn of_bytes(path: &Path, bytes: &[u8], conventions: &Conventions) -> Result<Sour
     let sha256 = sha256(bytes);
     let (unpacked, format) = opened(path, bytes)?;
     let bytes = unpacked.as_deref().unwrap_or(bytes);
-    let is_text = !matches!(format, Format::Merl | Format::Rgl);
-    check_memory(if is_text { TEXT } else { 1 } * bytes.len() as u64).map_err(FitError::io(path))?;
     let name = name_of(path);
-    if !is_text && *conventions != Conventions::default() {
-        return Err(needless(path));
-    }
-    if format != Format::Window && conventions.band != window::Band::Visible {
-        let text = "a band of the spectrum is one of a file of a window; --wavelengths chooses of spectra";
-        return Err(fault(ReadError::Content(text.into())));
-    }
-    let intake = match format {
+    match format {
+        Format::Merl | Format::Rgl if *conventions != Conventions::default() => Err(needless(path)),
         Format::Merl => {
             let grid = merl::parse(bytes).map_err(fault)?;
-            return Ok(Source::evaluable(filled(grid)?, name, sha256));
+            Ok(Source::evaluable(filled(grid)?, name, sha256))
         }
         Format::Rgl => {
             let file = rgl::parse(bytes).map_err(fault)?;
             let spectra = file.spectra().cloned();
             let brdf: Box<dyn Brdf + Send> =
                 if file.has_holes() { Box::new(Filled::of_rgl(file)?) } else { Box::new(file) };
-            return Ok(Source::evaluable(brdf, name, sha256).with_spectra(spectra));
+            Ok(Source::evaluable(brdf, name, sha256).with_spectra(spectra))
         }
+        Format::Window => {
+            let window = window_of(path, bytes, conventions)?;
+            let quarter = conventions.quarter;
+            let words = window::words(quarter);
+            let black = || format!("nothing is seen there: the {words} is black, or not in the file");
+            let brdf = window.brdf(quarter).ok_or_else(|| fault(ReadError::Content(black())))?;
+            Ok(Source::evaluable(Box::new(brdf), name, sha256))
+        }
+        format => Source::of_samples(intake(path, bytes, format, conventions)?, name, sha256),
+    }
+}
+
+/// The samples of a file.
+fn intake(path: &Path, bytes: &[u8], format: Format, conventions: &Conventions) -> Result<Intake, FitError> {
+    let fault = |source| FitError::Read { path: path.to_path_buf(), source };
+    if conventions.band != window::Band::Visible {
+        let text = "a band of the spectrum is one of a file of a window; --wavelengths chooses of spectra";
+        return Err(fault(ReadError::Content(text.into())));
+    }
+    match format {
+        Format::Merl | Format::Rgl | Format::Window => return Err(needless(path)),
         Format::Cornell => cornell::parse(bytes, conventions),
         Format::Astm => astm::parse(bytes, conventions),
         Format::Zemax => scatter_tables::zemax(bytes, conventions),
@@ -258,77 +274,31 @@ fn of_bytes(path: &Path, bytes: &[u8], conventions: &Conventions) -> Result<Sour
         Format::NumPy => numpy::parse(bytes, conventions),
         Format::Utia => utia::parse(bytes, conventions),
         Format::Records => records::parse(bytes, conventions),
-        Format::Window => {
-            let sheet = window_of(path, bytes, (name, sha256), conventions)?;
-            let black = || {
-                format!(
-                    "nothing is seen there: the {} is black, or not in the file",
-                    window::words(conventions.quarter)
-                )
-            };
-            return sheet.quarter(conventions.quarter).ok_or_else(|| fault(ReadError::Content(black())));
-        }
         Format::Text => csv::parse(bytes, conventions),
     }
-    .map_err(fault)?;
-    Source::of_samples(intake, name, sha256)
+    .map_err(fault)
 }
 
-/// The bytes of a file that gzip compressed, and the format.
+/// The bytes of a file that gzip compressed, and the format; refuses what takes more memory than there is.
 fn opened(path: &Path, bytes: &[u8]) -> Result<(Option<Vec<u8>>, Format), FitError> {
     let unpacked = bytes.starts_with(gzip::HEAD).then(|| gzip::unpacked(bytes)).transpose();
     let unpacked = unpacked.map_err(FitError::io(path))?;
-    let format = format::recognise(unpacked.as_deref().unwrap_or(bytes), &ending(path));
-    Ok((unpacked, format.map_err(|source| FitError::Read { path: path.to_path_buf(), source })?))
+    let content = unpacked.as_deref().unwrap_or(bytes);
+    let format = format::recognise(content, &ending(path));
+    let format = format.map_err(|source| FitError::Read { path: path.to_path_buf(), source })?;
+    let growth = if matches!(format, Format::Merl | Format::Rgl) { 1 } else { TEXT };
+    check_memory(growth * content.len() as u64).map_err(FitError::io(path))?;
+    Ok((unpacked, format))
 }
 
-/// The file of a sheet.
-pub struct SheetSource {
-    /// Its quarters.
-    pub window: window::Window,
-    /// Name of the file, without its folder; [`printable`].
-    pub name: String,
-    /// SHA-256 of the file, hexadecimal.
-    pub sha256: String,
-}
-
-impl SheetSource {
-    /// The measurement of a quarter; `None` of one that is black.
-    pub fn quarter(&self, quarter: Quarter) -> Option<Source> {
-        let brdf = self.window.brdf(quarter)?;
-        Some(Source::evaluable(Box::new(brdf), self.name.clone(), self.sha256.clone()))
-    }
-}
-
-/// The sheet of a file of a window.
-fn window_of(
-    path: &Path,
-    bytes: &[u8],
-    (name, sha256): (String, String),
-    conventions: &Conventions,
-) -> Result<SheetSource, FitError> {
+/// The quarters of a file of a window.
+fn window_of(path: &Path, bytes: &[u8], conventions: &Conventions) -> Result<window::Window, FitError> {
     let Conventions { quarter, band, .. } = *conventions;
     if *conventions != (Conventions { quarter, band, ..Conventions::default() }) {
         return Err(needless(path));
     }
     let fault = |source| FitError::Read { path: path.to_path_buf(), source };
-    Ok(SheetSource { window: window::Window::parse(bytes, band).map_err(fault)?, name, sha256 })
-}
-
-/// The sheet of a file of a window, with all its quarters; `None` of any other file. [`read_with`] reads one of them
-/// ([`Conventions::quarter`]).
-///
-/// # Errors
-/// As [`read_with`].
-pub fn sheet_of(path: &Path, conventions: &Conventions) -> Result<Option<SheetSource>, FitError> {
-    if path.to_str().is_some_and(|p| p.starts_with(analytic::PREFIX)) {
-        return Ok(None);
-    }
-    let bytes = read_bytes(path, MAX_FILE, |size| ending::check(&ending(path), path, size))?;
-    // Whatever is wrong with another file, its reader says.
-    let Ok((unpacked, Format::Window)) = opened(path, &bytes) else { return Ok(None) };
-    let named = (name_of(path), sha256(&bytes));
-    window_of(path, unpacked.as_deref().unwrap_or(&bytes), named, conventions).map(Some)
+    window::Window::parse(bytes, band).map_err(fault)
 }
 
 /// The name of a file, without its folder.

@@ -89,6 +89,57 @@ class Material:
     def plot(self, table: Table | None = None, angles: Sequence[float] = (5, 30, 60, 75)) -> Figure:
         """A sheet of curves, albedo and ball, by matplotlib."""
 
+class Sheet:
+    """A thin surface that reflects light and lets some through: up to four materials, its quarters.
+
+    Directions have +z the front of the sheet, and lie in front or behind; shapes as those of `Material`. Values are `f |cos|` in linear sRGB, 1/sr.
+    """
+
+    @staticmethod
+    def load(path: Path) -> Sheet:
+        """Reads a `.srbf` file."""
+    @staticmethod
+    def from_bytes(bytes: bytes) -> Sheet:
+        """Takes the bytes of a `.srbf` file."""
+    @staticmethod
+    def join(
+        *,
+        front_reflection: Material | None = None,
+        front_transmission: Material | None = None,
+        back_reflection: Material | None = None,
+        back_transmission: Material | None = None,
+        symmetric: bool = False,
+    ) -> Sheet:
+        """Puts materials together; those that are not given are black. `symmetric`: the back is like the front."""
+    def to_bytes(self) -> bytes:
+        """The bytes of its `.srbf` file."""
+    def save(self, path: Path) -> None:
+        """Writes a `.srbf` file."""
+    @property
+    def is_symmetric(self) -> bool:
+        """Whether the back is like the front."""
+    @property
+    def provenance(self) -> str:
+        """Where it comes from, as its maker wrote it."""
+    def quarter(self, name: str) -> Material | None:
+        """`front_reflection`, `front_transmission`, `back_reflection` or `back_transmission`, named by the viewer's side; None for black."""
+    def evaluate(self, wo: ArrayLike, wi: ArrayLike) -> NDArray[np.float32]:
+        """`f |cos|`, (n, 3), 1/sr."""
+    def pdf(self, wo: ArrayLike, wi: ArrayLike) -> NDArray[np.float32]:
+        """Density of `sample`, (n,), 1/sr."""
+    def evaluate_and_pdf(self, wo: ArrayLike, wi: ArrayLike) -> tuple[NDArray[np.float32], NDArray[np.float32]]:
+        """Both in one pass."""
+    def sample(self, wo: ArrayLike, u: ArrayLike) -> Sample:
+        """Draws incident directions on both sides by uniform numbers `u` (n, 3) in [0, 1)."""
+    def sample_and_evaluate(
+        self, wo: ArrayLike, u: ArrayLike, wi: ArrayLike
+    ) -> tuple[Sample, NDArray[np.float32], NDArray[np.float32]]:
+        """What `sample` gives; value and density towards `wi`."""
+    def reflected_share(self, wo: ArrayLike) -> NDArray[np.float32]:
+        """Share of draws that are reflected, (n,)."""
+    def albedos(self, wo: ArrayLike) -> tuple[NDArray[np.float32], NDArray[np.float32]]:
+        """Reflected and transmitted light towards `wo`, of light from everywhere, (n, 3) each."""
+
 class Table:
     """A measurement: scattered samples, or values at every pair of directions.
 

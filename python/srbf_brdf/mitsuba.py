@@ -1,4 +1,4 @@
-"""A material as a BSDF of Mitsuba 3.
+"""A material or a sheet as a BSDF of Mitsuba 3.
 
     import mitsuba as mi
     mi.set_variant("llvm_ad_rgb")
@@ -12,7 +12,7 @@ wavelengths, or smooth ones. Polarized variants have light that leaves without p
 
 | parameter | type | |
 |---|---|---|
-| `filename` | string | the `.srbf` file |
+| `filename` | string | the `.srbf` file: of a material, which has a front; or of a sheet, which reflects and transmits on both sides |
 | `tint` | colour or texture | multiplies the value, not the density; 1 by default; differentiable |
 
 Two materials are blended by Mitsuba's own `blendbsdf`, whose `weight` may be a texture and is differentiable.
@@ -24,7 +24,7 @@ import math
 
 import numpy as np
 
-from ._native import Material
+from ._native import Material, Sheet
 
 LUMINANCE = (0.2126, 0.7152, 0.0722)
 
@@ -36,11 +36,23 @@ def register(name: str = "srbf") -> None:
     variant = mi.variant()
     if variant is None:
         raise RuntimeError("a variant has to be set first: mitsuba.set_variant('llvm_ad_rgb')")
-    make = _scalar_class(mi) if variant.startswith("scalar") else _traced_class(mi)
+    of_material = _scalar_class(mi) if variant.startswith("scalar") else _traced_class(mi)
+    of_sheet = _sheet_class(mi, of_material)
+
+    def make(props):
+        path = _path(props)
+        with open(path, "rb") as file:
+            data = file.read()
+        try:
+            sheet = Sheet.from_bytes(data)
+        except ValueError:
+            return of_material(props, Material.load(path))
+        return of_sheet(props, sheet)
+
     mi.register_bsdf(name, make)
 
 
-def _material(props) -> Material:
+def _path(props) -> str:
     if "filename" not in props:
         raise RuntimeError("srbf: filename: the name of a .srbf file is expected")
     path = props["filename"]
@@ -50,7 +62,7 @@ def _material(props) -> Material:
         path = str(mi.file_resolver().resolve(path))
     except AttributeError:
         pass
-    return Material.load(path)
+    return path
 
 
 def _flags(mi, material):
@@ -71,9 +83,9 @@ def _scalar_class(mi):
     """For scalar variants: single calls of the library."""
 
     class ScalarSrbf(mi.BSDF):
-        def __init__(self, props):
+        def __init__(self, props, material):
             mi.BSDF.__init__(self, props)
-            self.material = _material(props)
+            self.material = material
             self.tint = props.get_texture("tint", 1.0) if hasattr(props, "get_texture") else props.texture("tint", 1.0)
             flags = _flags(mi, self.material)
             self.m_components, self.m_flags = [flags], flags
@@ -143,9 +155,9 @@ def _traced_class(mi):
         return dr.select(s < 0.05, series, 1 - exp2(-2 / math.log(2) * s))
 
     class TracedSrbf(mi.BSDF):
-        def __init__(self, props):
+        def __init__(self, props, material):
             mi.BSDF.__init__(self, props)
-            material = self.material = _material(props)
+            self.material = material
             self.tint = props.get_texture("tint", 1.0) if hasattr(props, "get_texture") else props.texture("tint", 1.0)
             self.has_tint = "tint" in props
             flags = _flags(mi, material)
@@ -445,3 +457,101 @@ def _traced_class(mi):
             return f"Srbf[{self.material!r}]"
 
     return TracedSrbf
+
+
+QUARTERS = ("front_reflection", "front_transmission", "back_reflection", "back_transmission")
+
+
+def _sheet_class(mi, of_material):
+    """Of a sheet: a BSDF for each quarter, seen through a frame whose +z is the side of each direction."""
+    import drjit as dr
+
+    # Heights between which the share of reflected draws is linear.
+    heights = 16
+
+    class SheetSrbf(mi.BSDF):
+        def __init__(self, props, sheet):
+            mi.BSDF.__init__(self, props)
+            self.sheet = sheet
+            quarters = [sheet.quarter(name) for name in QUARTERS]
+            self.quarters = [None if quarter is None else of_material(props, quarter) for quarter in quarters]
+            wo = np.zeros((2, heights, 3), np.float32)
+            wo[..., 2] = np.arange(heights) / (heights - 1) * np.array([[1], [-1]])
+            wo[:, 0, 2] = 1e-9, -1e-9
+            wo[..., 0] = np.sqrt(1 - wo[..., 2] ** 2)
+            self.shares = sheet.reflected_share(wo.reshape(-1, 3))
+            self.traced_shares = None if mi.variant().startswith("scalar") else mi.Float(self.shares)
+            sides = mi.BSDFFlags.FrontSide | mi.BSDFFlags.BackSide
+            if not all(quarter is None or quarter.is_isotropic for quarter in quarters):
+                sides = sides | mi.BSDFFlags.Anisotropic
+            self.kinds = mi.BSDFFlags.GlossyReflection, mi.BSDFFlags.GlossyTransmission
+            self.m_components = [kind | sides for kind in self.kinds]
+            self.m_flags = self.m_components[0] | self.m_components[1]
+
+        def traverse(self, callback):
+            for name, quarter in zip(QUARTERS, self.quarters):
+                if quarter is not None:
+                    callback.put(f"{name}.tint", quarter.tint, mi.ParamFlags.Differentiable)
+
+        def _reflected(self, wi, active):
+            """The share of draws that are reflected, as the library has it."""
+            side = dr.select(wi.z < 0, heights, 0)
+            place = dr.minimum(dr.abs(wi.z), 1) * (heights - 1)
+            below = dr.minimum(mi.UInt32(place), heights - 2)
+            if self.traced_shares is None:
+                low, high = (float(self.shares[side + below + n]) for n in (0, 1))
+            else:
+                low, high = (dr.gather(mi.Float, self.traced_shares, mi.UInt32(side) + below + n, active) for n in (0, 1))
+            return dr.fma(high - low, place - below, low)
+
+        @staticmethod
+        def _up(d):
+            return mi.Vector3f(d.x, d.y, dr.abs(d.z))
+
+        def _asked(self, si, is_through, active):
+            """The quarters that are seen, with the lanes that see them."""
+            seen = mi.SurfaceInteraction3f(si)
+            seen.wi = self._up(si.wi)
+            is_back = si.wi.z < 0
+            for place, quarter in enumerate(self.quarters):
+                if quarter is not None:
+                    through = place % 2 == 1
+                    yield quarter, seen, through, active & (is_back == (place >= 2)) & (is_through == through)
+
+        def eval_pdf(self, ctx, si, wo, active=True):
+            is_through = (si.wi.z < 0) != (wo.z < 0)
+            reflected = self._reflected(si.wi, active)
+            value, pdf = mi.Spectrum(0.0), mi.Float(0)
+            for quarter, seen, through, here in self._asked(si, is_through, active):
+                found, density = quarter.eval_pdf(ctx, seen, self._up(wo), here)
+                value, pdf = value + found, dr.fma(density, 1 - reflected if through else reflected, pdf)
+            return value, pdf
+
+        def eval(self, ctx, si, wo, active=True):
+            return self.eval_pdf(ctx, si, wo, active)[0]
+
+        def pdf(self, ctx, si, wo, active=True):
+            return self.eval_pdf(ctx, si, wo, active)[1]
+
+        def sample(self, ctx, si, sample1, sample2, active=True):
+            reflected = self._reflected(si.wi, active)
+            is_through = sample1 >= reflected
+            first = dr.select(is_through, (sample1 - reflected) / dr.maximum(1 - reflected, 1e-9), sample1 / dr.maximum(reflected, 1e-9))
+            first = dr.minimum(first, 1 - 2**-24)
+            bs, weight = mi.BSDFSample3f(), mi.Spectrum(0.0)
+            bs.eta, bs.wo, bs.pdf = 1.0, mi.Vector3f(0, 0, 1), 0.0
+            for quarter, seen, through, here in self._asked(si, is_through, active):
+                drawn, found = quarter.sample(ctx, seen, first, sample2, here)
+                share = 1 - reflected if through else reflected
+                bs.wo, bs.pdf = dr.select(here, drawn.wo, bs.wo), dr.select(here, drawn.pdf * share, bs.pdf)
+                weight = dr.select(here, found / dr.maximum(share, 1e-9), weight)
+            is_behind = (si.wi.z < 0) != is_through
+            bs.wo = mi.Vector3f(bs.wo.x, bs.wo.y, dr.select(is_behind, -bs.wo.z, bs.wo.z))
+            bs.sampled_type = dr.select(is_through, +self.kinds[1], +self.kinds[0])
+            bs.sampled_component = dr.select(is_through, 1, 0)
+            return bs, weight
+
+        def to_string(self):
+            return f"Srbf[{self.sheet!r}]"
+
+    return SheetSrbf

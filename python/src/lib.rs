@@ -7,8 +7,10 @@ mod arrays;
 mod error;
 mod fit;
 mod material;
+mod sheet;
 mod source;
 mod table;
+mod verbs;
 
 use pyo3::prelude::*;
 
@@ -18,6 +20,7 @@ fn _native(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add("__version__", env!("CARGO_PKG_VERSION"))?;
     module.add("FitError", module.py().get_type::<error::FitError>())?;
     module.add_class::<material::Material>()?;
+    module.add_class::<sheet::Sheet>()?;
     module.add_class::<table::Table>()?;
     module.add_function(wrap_pyfunction!(table::read, module)?)?;
     module.add_function(wrap_pyfunction!(table::table, module)?)?;

@@ -1,14 +1,15 @@
 //! `Material`: the result of a fit, for renderers.
 
-use crate::arrays::{Shape, Vectors, broadcast, cast, room, slices_mut};
+use crate::arrays::{Vectors, broadcast, cast, room};
 use crate::error;
 use crate::source::AsBrdf;
 use crate::table::{Reduced, Table};
+use crate::verbs;
 use numpy::{PyArray1, PyArrayMethods};
 use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
 use pyo3::types::{PyBytes, PyDict, PyTuple};
-use srbf_core::{Draws, MAX_LOBES, Mixture, Request, Towards, printable};
+use srbf_core::{MAX_LOBES, Mixture, printable};
 use srbf_fit::judge::reciprocity::reciprocity;
 use srbf_fit::judge::report::{Input, Report, ViewReport};
 use srbf_fit::judge::verdict::Verdict;
@@ -17,7 +18,7 @@ use srbf_fit::table::evaluation_views;
 use std::path::{Path, PathBuf};
 
 /// Most bytes of a file that is read as a material.
-const MAX_FILE: u64 = 1 << 26;
+pub const MAX_FILE: u64 = 1 << 26;
 
 /// A BRDF as lobes: a few kilobytes that are evaluated, integrated and sampled.
 ///
@@ -42,38 +43,6 @@ impl Material {
     /// With what its fit says.
     pub fn fitted(self, json: String, words: Vec<String>) -> Self {
         Self { fitted: Some((json, words)), ..self }
-    }
-}
-
-/// The samples of a call.
-struct Drawn {
-    direction: [Vec<f32>; 3],
-    pdf: Vec<f32>,
-    weight: [Vec<f32>; 3],
-}
-
-impl Drawn {
-    fn new(n: usize) -> Self {
-        Self { direction: room(n), pdf: vec![0.0; n], weight: room(n) }
-    }
-
-    fn draws<'a>(&'a mut self, u: [&'a [f32]; 3]) -> Draws<'a> {
-        Draws {
-            u,
-            direction: slices_mut(&mut self.direction),
-            pdf: Some(&mut self.pdf),
-            weight: Some(slices_mut(&mut self.weight)),
-        }
-    }
-
-    /// As a `srbf_brdf.Sample`.
-    fn into_python<'py>(self, py: Python<'py>, shape: Shape) -> PyResult<Bound<'py, PyAny>> {
-        let arguments = (
-            shape.vectors(py, self.direction)?,
-            shape.numbers(py, self.pdf)?,
-            shape.vectors(py, self.weight)?,
-        );
-        py.import("srbf_brdf.types")?.getattr("Sample")?.call1(arguments)
     }
 }
 
@@ -224,12 +193,7 @@ impl Material {
         wo: &Bound<'py, PyAny>,
         wi: &Bound<'py, PyAny>,
     ) -> PyResult<Bound<'py, PyAny>> {
-        let (mut wo, mut wi) = (Vectors::directions(wo, "wo")?, Vectors::directions(wi, "wi")?);
-        let shape = broadcast([&mut wo, &mut wi], "wo and wi")?;
-        let mut value = room(shape.n);
-        let towards = Towards { wi: wi.slices(), value: Some(slices_mut(&mut value)), pdf: None };
-        py.detach(|| self.material.ask(wo.slices(), towards.into())).map_err(error::value)?;
-        shape.vectors(py, value)
+        verbs::evaluate(py, &self.material, wo, wi)
     }
 
     /// Density of `sample` at pairs of directions, float32 of shape (n,), 1/sr.
@@ -239,12 +203,7 @@ impl Material {
         wo: &Bound<'py, PyAny>,
         wi: &Bound<'py, PyAny>,
     ) -> PyResult<Bound<'py, PyAny>> {
-        let (mut wo, mut wi) = (Vectors::directions(wo, "wo")?, Vectors::directions(wi, "wi")?);
-        let shape = broadcast([&mut wo, &mut wi], "wo and wi")?;
-        let mut pdf = vec![0.0; shape.n];
-        let towards = Towards { wi: wi.slices(), value: None, pdf: Some(&mut pdf) };
-        py.detach(|| self.material.ask(wo.slices(), towards.into())).map_err(error::value)?;
-        shape.numbers(py, pdf)
+        verbs::pdf(py, &self.material, wo, wi)
     }
 
     /// What `evaluate` and `pdf` give, in one pass.
@@ -254,12 +213,7 @@ impl Material {
         wo: &Bound<'py, PyAny>,
         wi: &Bound<'py, PyAny>,
     ) -> PyResult<(Bound<'py, PyAny>, Bound<'py, PyAny>)> {
-        let (mut wo, mut wi) = (Vectors::directions(wo, "wo")?, Vectors::directions(wi, "wi")?);
-        let shape = broadcast([&mut wo, &mut wi], "wo and wi")?;
-        let (mut value, mut pdf) = (room(shape.n), vec![0.0; shape.n]);
-        let towards = Towards { wi: wi.slices(), value: Some(slices_mut(&mut value)), pdf: Some(&mut pdf) };
-        py.detach(|| self.material.ask(wo.slices(), towards.into())).map_err(error::value)?;
-        Ok((shape.vectors(py, value)?, shape.numbers(py, pdf)?))
+        verbs::evaluate_and_pdf(py, &self.material, wo, wi)
     }
 
     /// Draws incident directions by three uniform numbers each, `u` of shape (n, 3) in [0, 1).
@@ -272,12 +226,7 @@ impl Material {
         wo: &Bound<'py, PyAny>,
         u: &Bound<'py, PyAny>,
     ) -> PyResult<Bound<'py, PyAny>> {
-        let (mut wo, mut u) = (Vectors::directions(wo, "wo")?, Vectors::uniform(u, "u")?);
-        let shape = broadcast([&mut wo, &mut u], "wo and u")?;
-        let mut drawn = Drawn::new(shape.n);
-        let draws = drawn.draws(u.slices());
-        py.detach(|| self.material.ask(wo.slices(), draws.into())).map_err(error::value)?;
-        drawn.into_python(py, shape)
+        verbs::sample(py, &self.material, wo, u)
     }
 
     /// What `sample` gives, and value and density towards other directions `wi`, as light sampling needs them.
@@ -288,15 +237,7 @@ impl Material {
         u: &Bound<'py, PyAny>,
         wi: &Bound<'py, PyAny>,
     ) -> PyResult<Bound<'py, PyTuple>> {
-        let (mut wo, mut u) = (Vectors::directions(wo, "wo")?, Vectors::uniform(u, "u")?);
-        let mut wi = Vectors::directions(wi, "wi")?;
-        let shape = broadcast([&mut wo, &mut u, &mut wi], "wo, u and wi")?;
-        let (mut drawn, mut value, mut pdf) = (Drawn::new(shape.n), room(shape.n), vec![0.0; shape.n]);
-        let towards = Towards { wi: wi.slices(), value: Some(slices_mut(&mut value)), pdf: Some(&mut pdf) };
-        let request = Request { draw: Some(drawn.draws(u.slices())), evaluate: Some(towards) };
-        py.detach(|| self.material.ask(wo.slices(), request)).map_err(error::value)?;
-        let sample = drawn.into_python(py, shape)?;
-        PyTuple::new(py, [sample, shape.vectors(py, value)?, shape.numbers(py, pdf)?])
+        verbs::sample_and_evaluate(py, &self.material, wo, u, wi)
     }
 
     /// Directional albedo, the integral of `f cos` over the hemisphere, float32 of shape (n, 3).

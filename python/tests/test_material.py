@@ -173,3 +173,31 @@ def test_spectra_of_colours(tmp_path):
     np.testing.assert_allclose(plain.primaries(np.arange(300, 900, 7)).columns.sum(axis=1), 1, atol=1e-5)
     with pytest.raises(ValueError):
         material.primaries("red")
+
+
+def test_a_sheet_is_its_quarters(tmp_path):
+    front, through = srbf.load(str(PRESETS[0])), srbf.load(str(PRESETS[1]))
+    sheet = srbf.Sheet.join(front_reflection=front, back_transmission=through)
+    assert sheet.quarter("front_reflection") == front and sheet.quarter("back_transmission") == through
+    assert sheet.quarter("back_reflection") is None and not sheet.is_symmetric
+    assert pickle.loads(pickle.dumps(sheet)) == sheet
+    sheet.save(tmp_path / "sheet.srbf")
+    assert srbf.Sheet.load(tmp_path / "sheet.srbf") == sheet
+    wo, wi, u = spread(500)
+    np.testing.assert_array_equal(sheet.evaluate(wo, wi), front.evaluate(wo, wi))
+    down = np.array([1, 1, -1], np.float32)
+    value, pdf = sheet.evaluate_and_pdf(wo * down, wi)
+    np.testing.assert_array_equal(value, through.evaluate(wo, wi))
+    np.testing.assert_allclose(pdf, through.pdf(wo, wi), rtol=1e-5)
+    assert not sheet.evaluate(wo, wi * down).any()
+    drawn = sheet.sample(wo * down, u)
+    assert (drawn.direction[drawn.pdf > 0, 2] > 0).all() and (sheet.reflected_share(wo * down) == 0).all()
+    reflected, transmitted = sheet.albedos(wo)
+    np.testing.assert_allclose(reflected, front.albedo(wo), rtol=1e-5)
+    assert not transmitted.any()
+    with pytest.raises(ValueError, match="front_reflection, front_transmission"):
+        sheet.quarter("side")
+    with pytest.raises(ValueError):
+        srbf.Sheet.join()
+    with pytest.raises(ValueError):
+        srbf.Sheet.from_bytes(front.to_bytes())

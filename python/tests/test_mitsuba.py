@@ -96,28 +96,44 @@ def test_values_at_wavelengths_are_those_of_core(materials):
         np.testing.assert_allclose(got, want, rtol=3e-4, atol=3e-4 * want.max(), err_msg=name)
 
 
+def check(name, path, material, wo, wi, u):
+    """Of a material or a sheet: values, densities and draws are those of the library."""
+    want_value, want_pdf = material.evaluate_and_pdf(wo, wi)
+    drawn = material.sample(wo, u)
+    value, pdf, direction, density, weight = traced(bsdf(path), wo, wi, u)
+    want_weight = drawn.weight
+    if "mono" in VARIANT:
+        luminance = np.array([[0.2126], [0.7152], [0.0722]])
+        want_value, want_weight = want_value @ luminance, want_weight @ luminance
+        value, weight = (np.reshape(a, (-1, 1)) for a in (value, weight))
+    largest = lambda a: np.max(np.abs(a), axis=1)
+    same = largest(direction - drawn.direction) < 1e-4
+    # A lobe chosen at the very edge between two may be the other one.
+    assert np.sum(~same) <= 2, name
+    assert np.max(largest(value - want_value) / np.maximum(largest(want_value), 0.1 * want_pdf)) < 3e-4, name
+    assert np.max(np.abs(pdf - want_pdf) / want_pdf) < 3e-4, name
+    assert np.max((np.abs(density - drawn.pdf) / drawn.pdf)[same]) < 5e-4, name
+    assert np.max((largest(weight - want_weight) / np.maximum(largest(want_weight), 0.1))[same]) < 5e-4, name
+
+
 @of_variant
 def test_values_and_draws_are_those_of_core(materials):
-    is_scalar = "scalar" in VARIANT
-    wo, wi, u = spread(300 if is_scalar else 4096)
+    wo, wi, u = spread(300 if "scalar" in VARIANT else 4096)
     for name, path in materials.items():
-        material = srbf.load(path)
-        want_value, want_pdf = material.evaluate_and_pdf(wo, wi)
-        drawn = material.sample(wo, u)
-        value, pdf, direction, density, weight = traced(bsdf(path), wo, wi, u)
-        want_weight = drawn.weight
-        if "mono" in VARIANT:
-            luminance = np.array([[0.2126], [0.7152], [0.0722]])
-            want_value, want_weight = want_value @ luminance, want_weight @ luminance
-            value, weight = (np.reshape(a, (-1, 1)) for a in (value, weight))
-        largest = lambda a: np.max(np.abs(a), axis=1)
-        same = largest(direction - drawn.direction) < 1e-4
-        # A lobe chosen at the very edge between two may be the other one.
-        assert np.sum(~same) <= 2, name
-        assert np.max(largest(value - want_value) / np.maximum(largest(want_value), 0.1 * want_pdf)) < 3e-4, name
-        assert np.max(np.abs(pdf - want_pdf) / want_pdf) < 3e-4, name
-        assert np.max((np.abs(density - drawn.pdf) / drawn.pdf)[same]) < 5e-4, name
-        assert np.max((largest(weight - want_weight) / np.maximum(largest(want_weight), 0.1))[same]) < 5e-4, name
+        check(name, path, srbf.load(path), wo, wi, u)
+
+
+@of_variant
+def test_a_sheet_is_that_of_core_on_both_sides(tmp_path):
+    names = ("front_reflection", "front_transmission", "back_reflection", "back_transmission")
+    presets = (srbf.load(str(path)) for path in [*PRESETS, GARNET])
+    sheet = srbf.Sheet.join(**dict(zip(names, presets)))
+    path = tmp_path / "sheet.srbf"
+    sheet.save(path)
+    wo, wi, u = spread(100 if "scalar" in VARIANT else 4096)
+    wo[::2, 2] *= -1
+    wi[::3, 2] *= -1
+    check("sheet", path, sheet, wo, wi, u)
 
 
 @of_variant

@@ -11,6 +11,7 @@ pub mod fit;
 mod fit_page;
 pub mod inputs;
 pub mod inspect;
+mod join;
 pub mod judge;
 pub mod look;
 mod pack;
@@ -56,6 +57,7 @@ enum Command {
     Convert(convert::Args),
     Export(export::Args),
     Pack(Box<pack::Args>),
+    Join(Box<join::Args>),
     Inspect(inspect::Args),
     Look(look::Args),
     Judge(judge::Args),
@@ -116,6 +118,7 @@ pub fn run(cli: Cli) -> anyhow::Result<()> {
         Some(Command::Convert(args)) => convert::run(args),
         Some(Command::Export(args)) => export::run(&args),
         Some(Command::Pack(args)) => pack::run(&args),
+        Some(Command::Join(args)) => join::run(&args),
         Some(Command::Inspect(args)) => inspect::run(args),
         Some(Command::Look(args)) => look::run(&args),
         Some(Command::Judge(args)) => judge::run(args),

@@ -68,9 +68,9 @@ fn every_method_is_judged_by_what_it_has_seen_and_what_not() {
     let ours = Settings {
         lobes: 4,
         starts: 2,
-        steps: 30,
+        steps: 20,
         exchanges: 1,
-        views: Some(6),
+        views: Some(4),
         factors: FactorNodes::None,
         ..Settings::default()
     };
@@ -255,7 +255,8 @@ fn what_has_no_number_is_said_and_not_averaged() {
     assert_eq!(json["notes"].as_array().unwrap().len(), report.notes().len());
 
     // Lobes were held to less than what no surface reflects, and the report says so.
-    let settings = Settings { lobes: 3, starts: 2, steps: 10, views: Some(6), ..Settings::default() };
+    let settings =
+        Settings { lobes: 3, starts: 2, steps: 10, views: Some(4), exchanges: 1, ..Settings::default() };
     let fit = fit(&table, &settings, |_| {}).unwrap();
     let view = &fit.report.views[1];
     assert!(view.is_albedo_cut && view.data_albedo[0] > 3.0 && view.energy_error() > 0.5, "{view:?}");
@@ -280,11 +281,11 @@ fn samples_that_are_lost_count() {
 #[test]
 fn all_fits_of_an_error_that_is_asked_for_count() {
     let settings = Settings {
-        lobes: 6,
+        lobes: 4,
         starts: 2,
         steps: 20,
         exchanges: 1,
-        views: Some(6),
+        views: Some(4),
         factors: FactorNodes::None,
         ..Settings::default()
     };

@@ -36,10 +36,10 @@ fn sound(views: Vec<(f64, Scattered)>) -> Result<f64, srbf_fit::FitError> {
     let table = Table::from_scattered(views)?;
     let settings = Settings {
         lobes: 6,
-        starts: 3,
-        steps: 20,
-        exchanges: 2,
-        views: Some(6),
+        starts: 2,
+        steps: 12,
+        exchanges: 1,
+        views: Some(4),
         factors: FactorNodes::None,
         ..Settings::default()
     };
@@ -224,7 +224,7 @@ fn any_number_of_lobes_and_of_views_gives_a_sound_material() {
             starts: 2,
             steps: 8,
             exchanges: 1,
-            views: Some(6),
+            views: Some(4),
             factors: FactorNodes::None,
             ..Settings::default()
         };
@@ -243,11 +243,11 @@ fn an_error_that_is_asked_for_is_reached_or_refused() {
     };
     let table = Table::from_scattered(table(highlights)).unwrap();
     let settings = Settings {
-        lobes: 6,
+        lobes: 4,
         starts: 2,
-        steps: 30,
+        steps: 20,
         exchanges: 1,
-        views: Some(6),
+        views: Some(4),
         factors: FactorNodes::None,
         ..Settings::default()
     };
@@ -260,12 +260,12 @@ fn an_error_that_is_asked_for_is_reached_or_refused() {
     let reached = close.report.mean_error();
     assert!(
         reached <= 1.02 * best && lobes(&close.bytes) > 1,
-        "{reached} with {}, {best} with 6, {} with 1",
+        "{reached} with {}, {best} with 4, {} with 1",
         lobes(&close.bytes),
         easy.report.mean_error()
     );
     let refused = with(1e-6).unwrap_err().to_string();
-    assert!(refused.contains("6 lobes reach"), "{refused}");
+    assert!(refused.contains("4 lobes reach"), "{refused}");
 }
 
 #[test]

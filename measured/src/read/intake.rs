@@ -10,6 +10,7 @@ use super::conventions::{Conventions, Mirror, Values};
 use super::reason::Reason;
 use super::scatter;
 use super::sentinels::{Cells, Sentinels};
+use super::sheet::turned_over;
 use super::spectra::{Spectra, SpectralSamples};
 use super::wavelengths::Wavelengths;
 use crate::ReadError;
@@ -192,10 +193,7 @@ impl Reading {
         [cells, spectrum]: [&[f64]; 2],
     ) {
         let wi = if self.conventions.is_along_light { wi.map(|v| -v) } else { wi };
-        let quarter = self.conventions.quarter;
-        let flipped = |d: [f64; 3], is_flipped: bool| if is_flipped { [d[0], d[1], -d[2]] } else { d };
-        let wi = flipped(wi, quarter.is_back() != quarter.is_transmission());
-        let wo = flipped(wo, quarter.is_back());
+        let [wi, wo] = turned_over(self.conventions.quarter, [wi, wo]);
         self.rows += 1;
         self.behind += usize::from(wi[2] < -HORIZON && wo[2] > HORIZON);
         let (below, at) = (|d: &[f64; 3]| d[2] < -HORIZON, |d: &[f64; 3]| d[2].abs() <= HORIZON);
@@ -253,17 +251,16 @@ impl Reading {
         self.check_count();
         self.intake.values = self.conventions.values.unwrap_or_default();
         if self.intake.rows.is_empty() && self.behind > 0 && self.behind == self.rows {
-            return Err(ReadError::Content(format!(
-                "no samples: {}. In all of them it is the incident direction: either they are transmission, or do all incident directions \
+            return Err(ReadError::NoSamples(format!(
+                ": {}. In all of them it is the incident direction: either they are transmission, or do all incident directions \
                  point along the light? --incident along-light turns them",
                 self.intake.left_out_text()
             )));
         }
         if self.intake.rows.is_empty() {
             let left_out = self.intake.left_out_text();
-            let text =
-                if left_out.is_empty() { "no samples".into() } else { format!("no samples: {left_out}") };
-            return Err(ReadError::Content(text));
+            let text = if left_out.is_empty() { left_out } else { format!(": {left_out}") };
+            return Err(ReadError::NoSamples(text));
         }
         self.intake.spectra = self.spectra.take().and_then(|found| {
             found.finish(|row| reasons[row].is_none() && Some(self.cells[row].largest()) != left_out)
@@ -405,6 +402,16 @@ impl Intake {
         if left.lines.len() < LISTED {
             left.lines.push(line);
         }
+    }
+
+    /// The same of a quarter of a sheet whose other quarters are measurements too, with the samples of the other transmission.
+    pub(super) fn of_quarter(mut self, other: Option<Self>) -> Self {
+        if let Some(other) = other {
+            self.rows.extend(other.rows);
+            self.is_light_fixed = scatter::is_light_fixed(&self.rows);
+        }
+        self.left_out.retain(|left| !matches!(left.reason, Reason::Behind | Reason::Transmission));
+        self
     }
 
     /// How many rows are no samples.

@@ -4,9 +4,9 @@ use super::convention_args::ConventionArgs;
 use crate::out::output;
 use crate::out::print::shown;
 use crate::truth::measured::MeasuredMaterial;
-use crate::truth::stored::StoredMaterial;
+use crate::truth::stored::{StoredMaterial, is_fit, sheet_in};
 use anyhow::{Context, bail};
-use srbf_core::{FormatError, Material, Quarter, Sheet, read_file};
+use srbf_core::{Quarter, Sheet};
 use srbf_fit::patches::{Basis, PatchMatrix};
 use srbf_fit::read::{Content, Conventions, Source, Spectra, merl, read_with, rgl, sheet_of};
 use srbf_fit::table::{Brdf, Symmetry};
@@ -30,6 +30,8 @@ use std::path::{Path, PathBuf};
 /// .csv (ours, see docs/csv.md) and .astm (Cornell, three channels): samples. Those of a file of samples stay as they are; of all else,
 /// 16 outgoing directions by some 1300 incident ones. At the samples nothing is lost; between them nothing is said. Samples and models
 /// with spectra, and such fits with --wavelengths, become a .csv of one column for each wavelength; .astm has their colours.
+///
+/// Of a sheet, a .csv has samples of all quarters, with heights below 0 behind it. A quarter alone has a name: FIT.srbf:front-transmission.
 ///
 /// .xml (WINDOW, Radiance): means over the 145 patches of Klems, of visible light. A sheet has all its quarters there, all else the reflection
 /// of the front.
@@ -89,6 +91,11 @@ pub fn run(args: Args) -> anyhow::Result<()> {
     if let Format::Window = format {
         return write_window(&args).with_context(|| shown(&args.input));
     }
+    if let Format::Csv = format
+        && let Some(sheet) = sheet_in(&args.input)?
+    {
+        return write_sheet(&args.output, &sheet).with_context(|| shown(&args.input));
+    }
     let source = source(&args.input, &args.conventions.conventions())?;
     let named = || shown(&args.input);
     match format {
@@ -97,11 +104,6 @@ pub fn run(args: Args) -> anyhow::Result<()> {
         Format::Astm | Format::Window => write_samples(&args.output, source, false),
     }
     .with_context(named)
-}
-
-/// Whether a file is a fit, by its name.
-fn is_fit(input: &Path) -> bool {
-    input.extension().is_some_and(|end| end.eq_ignore_ascii_case("srbf"))
 }
 
 /// The file that was read, or the lobes of a fit.
@@ -123,17 +125,16 @@ fn write_window(args: &Args) -> anyhow::Result<()> {
     let conventions = args.conventions.conventions();
     let basis = Basis::klems_full();
     let quarters = if is_fit(&args.input) {
-        let bytes = read_file(&args.input)?;
-        match Sheet::from_bytes(bytes.as_slice()) {
-            Ok(sheet) => klems_of_sheet(&sheet)?,
-            Err(FormatError::Kind { is_sheet: false }) => {
-                [Some(klems_of(&Material::from_bytes(bytes.as_slice())?)?), None, None, None]
+        match sheet_in(&args.input)? {
+            Some(sheet) => klems_of_sheet(&sheet)?,
+            None => {
+                let stored = StoredMaterial::load(&args.input.to_string_lossy())?;
+                [Some(klems_of(&stored.material)?), None, None, None]
             }
-            Err(error) => return Err(error.into()),
         }
-    } else if let Some(sheet) = sheet_of(&args.input, &conventions)? {
+    } else if let Some(window) = sheet_of(&args.input, &conventions, false)?.and_then(|sheet| sheet.window) {
         let of = |quarter| {
-            let brdf = sheet.window.brdf(quarter)?;
+            let brdf = window.brdf(quarter)?;
             Some(PatchMatrix::of(&basis, &basis, |wi, wo| brdf.evaluate(wi, wo)[0]))
         };
         Quarter::ALL.map(of)
@@ -146,6 +147,20 @@ fn write_window(args: &Args) -> anyhow::Result<()> {
     output::write(&args.output, text.as_bytes())?;
     let count = quarters.iter().flatten().count();
     println!("{}: {} bytes, {count} matrices of 145 x 145 patches", shown(&args.output), text.len());
+    Ok(())
+}
+
+/// Writes samples of all quarters of a sheet.
+fn write_sheet(output: &Path, sheet: &Sheet<Vec<u8>>) -> anyhow::Result<()> {
+    let lobes = Quarter::ALL.map(|quarter| sheet.quarter(quarter).map(export::Lobes));
+    let (text, count) =
+        export::csv_of_sheet(lobes.each_ref().map(|own| own.as_ref().map(|own| own as &dyn Brdf)))?;
+    output::write(output, text.as_bytes())?;
+    let quarters = lobes.iter().flatten().count();
+    println!(
+        "{}: {count} samples of {quarters} quarters, chosen here; `srbf fit --sheet` reads them all",
+        shown(output)
+    );
     Ok(())
 }
 

@@ -4,7 +4,7 @@ mod method;
 pub mod names;
 mod picture;
 mod settings;
-mod sheet;
+pub mod sheet;
 mod words;
 
 use super::convention_args::ConventionArgs;
@@ -21,7 +21,7 @@ use srbf_fit::complete::complete;
 use srbf_fit::judge::cross::{CrossValidation, cross_validate};
 use srbf_fit::judge::method::Method;
 use srbf_fit::judge::report::Input;
-use srbf_fit::read::{Content, Source};
+use srbf_fit::read::{Content, Source, sheet_of};
 use srbf_fit::table::Symmetry;
 use srbf_fit::{Fit, Settings};
 use std::path::{Path, PathBuf};
@@ -59,6 +59,10 @@ pub struct Args {
     /// into the report.
     #[arg(long)]
     cross_validate: bool,
+    /// Fits all quarters of samples of a sheet: reflection and transmission, in front and behind, whose rows are told apart by their
+    /// directions. A file of a window is fitted so without it.
+    #[arg(long, conflicts_with = "quarter")]
+    sheet: bool,
     #[command(flatten)]
     conventions: ConventionArgs,
     #[command(flatten)]
@@ -96,9 +100,9 @@ fn fit_one(args: &Args, place: &Job, picture: Option<&Path>) -> anyhow::Result<(
     let file = &place.file;
     let conventions = args.conventions.conventions();
     if args.conventions.is_of_all_quarters()
-        && let Some(sheet) = srbf_fit::read::sheet_of(file, &conventions)?
+        && let Some(sheet) = sheet_of(file, &conventions, args.sheet)?
     {
-        return sheet::fit(args, place, picture, &sheet);
+        return sheet::fit(args, place, picture, sheet);
     }
     let source = method::read(file, args.material.as_deref(), &conventions)?;
     check_options(file, &source.content, &args.settings)?;

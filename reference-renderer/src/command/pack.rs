@@ -4,12 +4,12 @@ use super::convention_args::ConventionArgs;
 use crate::out::output;
 use crate::out::print::shown;
 use crate::out::progress::Progress;
-use crate::truth::stored::StoredMaterial;
+use crate::truth::stored::{QUARTERS, StoredMaterial, is_fit, sheet_in};
 use anyhow::{bail, ensure};
-use srbf_core::{Material, PackOptions};
+use srbf_core::{Material, PackOptions, Quarter, Sheet};
 use srbf_evaluator::plain_bytes;
 use srbf_fit::pack::{Packed, PackedForm, Subject, Way, forms};
-use srbf_fit::read::{Content, read_with};
+use srbf_fit::read::{Content, Conventions, read_with};
 use srbf_fit::{FactorNodes, Settings, export, fit_source};
 use std::path::{Path, PathBuf};
 
@@ -20,7 +20,7 @@ use std::path::{Path, PathBuf};
 /// package read the plain form, which `srbf pack FILE.srbf --bits 32` writes again.
 ///
 /// The error is the mean relative L2 error of f cos over twelve views that were not fitted: from the measurement, if FILE is one or
-/// --against names it; else from FILE itself. Of an anisotropic material whole rings of views go.
+/// --against names it; else from FILE itself. Of an anisotropic material whole rings of views go. Of a sheet each quarter is packed.
 #[derive(Debug, clap::Args)]
 pub struct Args {
     /// A fit, a preset, or a measured BRDF as `srbf fit` reads it, which is fitted first
@@ -78,20 +78,63 @@ fn channels(text: &str) -> Result<u8, String> {
 pub fn run(args: &Args) -> anyhow::Result<()> {
     // Before a fit, which takes seconds; without a name the input has to be read first.
     args.output.as_deref().map(output::check_place).transpose()?;
+    let place = |name: &str| {
+        let output =
+            args.output.clone().unwrap_or_else(|| Path::new("out").join(format!("{name}-packed.srbf")));
+        output::check_place(&output).map(|()| output)
+    };
+    if let Some(sheet) = sheet_in(&args.input)? {
+        let output = place(&args.input.file_stem().unwrap_or_default().to_string_lossy())?;
+        return pack_sheet(args, &sheet, &output);
+    }
     let (whole, content, name) = whole(args)?;
-    let output = args.output.clone().unwrap_or_else(|| Path::new("out").join(format!("{name}-packed.srbf")));
-    output::check_place(&output)?;
+    let output = place(&name)?;
+    let bytes = packed(args, whole, &content, &name)?;
+    output::write(&output, &bytes)?;
+    let plain = if args.bits == 32 { " in plain numbers" } else { "" };
+    println!("{}: {} bytes{plain}", shown(&output), bytes.len());
+    Ok(())
+}
+
+/// Packs each quarter of a sheet.
+fn pack_sheet(args: &Args, sheet: &Sheet<Vec<u8>>, output: &Path) -> anyhow::Result<()> {
+    let mut parts: [Option<Vec<u8>>; 4] = [const { None }; 4];
+    for quarter in Quarter::ALL {
+        let is_stored = !(sheet.is_symmetric() && quarter.is_back());
+        let Some(material) = sheet.quarter(quarter).filter(|_| is_stored) else { continue };
+        let name = QUARTERS[quarter as usize];
+        println!("{name}:");
+        let content = match &args.against {
+            Some(table) => {
+                read_with(table, &Conventions { quarter, ..args.conventions.conventions() })?.content
+            }
+            None => {
+                Content::Evaluable(Box::new(export::Lobes(Material::from_bytes(material.bytes().to_vec())?)))
+            }
+        };
+        parts[quarter as usize] = Some(packed(args, material.bytes().to_vec(), &content, name)?);
+    }
+    let mut quarters: [Option<Material<&[u8]>>; 4] = [const { None }; 4];
+    for (quarter, part) in quarters.iter_mut().zip(&parts) {
+        *quarter = part.as_deref().map(Material::from_bytes).transpose()?;
+    }
+    let quarters = quarters.each_ref().map(Option::as_ref);
+    let mut bytes = vec![0; Sheet::encoded_len(quarters, sheet.provenance())];
+    Sheet::encode(quarters, sheet.is_symmetric(), sheet.provenance(), &mut bytes)?;
+    output::write(output, &bytes)?;
+    println!("{}: {} bytes, a sheet of {}", shown(output), bytes.len(), sheet.bytes().len());
+    Ok(())
+}
+
+/// The bytes of a material in the form that the options ask for.
+fn packed(args: &Args, whole: Vec<u8>, content: &Content, name: &str) -> anyhow::Result<Vec<u8>> {
     if args.bits == 32 {
         let is_plain = args.channels == 3 && args.error.is_none() && args.against.is_none();
         let is_all = args.lobes.is_none() && args.views.is_none() && args.factors.is_none();
         ensure!(is_plain && is_all, "--bits 32: writes plain numbers again, and goes with no other option");
-        let material = Material::from_bytes(whole)?;
-        let bytes = plain_bytes(&material);
-        output::write(&output, &bytes)?;
-        println!("{}: {} bytes in plain numbers", shown(&output), bytes.len());
-        return Ok(());
+        return Ok(plain_bytes(&Material::from_bytes(whole)?).into_owned());
     }
-    let subject = Subject::new(&content, &whole)?;
+    let subject = Subject::new(content, &whole)?;
     let pack = PackOptions { bits: args.bits, channels: args.channels };
     let material = subject.whole();
     // The source, which stands first; how it was fitted is known from the whole.
@@ -104,7 +147,7 @@ pub fn run(args: &Args) -> anyhow::Result<()> {
         100.0 * subject.error(&whole)?
     );
     let pack_in = |form: &PackedForm| -> anyhow::Result<Packed> {
-        let progress = Progress::of_shares(&name);
+        let progress = Progress::of_shares(name);
         let packed = subject.pack(form, &settings, !args.cut, |share| progress.set_share(share))?;
         drop(progress);
         let way = if packed.way == Way::Cut { "" } else { ", fitted again" };
@@ -121,9 +164,7 @@ pub fn run(args: &Args) -> anyhow::Result<()> {
         None => pack_in(&form(args, material, pack))?,
         Some(per_cent) => smallest(&forms(material, pack), per_cent, pack_in)?,
     };
-    output::write(&output, &packed.bytes)?;
-    println!("{}: {} bytes", shown(&output), packed.bytes.len());
-    Ok(())
+    Ok(packed.bytes)
 }
 
 /// The bytes of the whole material, the content that it is judged by, and its name.
@@ -132,7 +173,7 @@ fn whole(args: &Args) -> anyhow::Result<(Vec<u8>, Content, String)> {
     let text = args.input.to_string_lossy();
     let is_model = text.starts_with(srbf_fit::analytic::PREFIX);
     let is_preset = args.input.extension().is_none() && !args.input.exists() && !is_model;
-    if is_preset || args.input.extension().is_some_and(|end| end.eq_ignore_ascii_case("srbf")) {
+    if is_preset || is_fit(&args.input) {
         let StoredMaterial { name, material } = StoredMaterial::load(&text)?;
         let bytes = material.bytes().to_vec();
         let content = match &args.against {

@@ -13,8 +13,8 @@ use glam::{DVec3, Vec3};
 use srbf_thesis::samplers::ggx_parts::{GgxProposal, PARTS};
 
 /// Directions that each sampler draws, and directions of the reference.
-const DRAWN: u32 = 20_000;
-const SEEN: u32 = 60_000;
+const DRAWN: u32 = 10_000;
+const SEEN: u32 = 30_000;
 
 /// A mean and the square of its standard error.
 #[derive(Clone, Copy, Default)]

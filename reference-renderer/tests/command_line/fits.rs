@@ -143,8 +143,8 @@ fn several_files_are_fitted_and_a_bad_one_is_named() {
 fn what_is_left_out_is_printed_and_in_the_report() {
     let place = folder("left-out");
     std::fs::write(place.join("diffuse.csv"), rows()).unwrap();
-    let fit = ["fit", "diffuse.csv", "--lobes", "1", "--starts", "1", "--exchanges", "0", "--cross-validate"];
-    let output = srbf(&place, &fit);
+    let fit = "fit diffuse.csv --lobes 1 --starts 1 --steps 5 --views 3 --exchanges 0 --factors none --cross-validate";
+    let output = srbf(&place, &fit.split(' ').collect::<Vec<_>>());
     let text = String::from_utf8_lossy(&output.stdout);
     assert!(output.status.success() && text.contains("views left out: mean - %"), "{text}");
     assert!(text.contains("no sample within 20 degrees"), "{text}");

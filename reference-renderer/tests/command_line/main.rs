@@ -7,6 +7,7 @@ mod options;
 mod outputs;
 mod packs;
 mod pictures;
+mod sheets;
 mod strangers;
 #[cfg(target_os = "linux")]
 mod viewed;

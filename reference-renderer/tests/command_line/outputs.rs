@@ -21,7 +21,7 @@ struct Case {
 
 const CASES: &[Case] = &[
     Case {
-        call: "fit s.csv --lobes 1 --starts 1 --steps 2 --exchanges 0 --factors none --env map.hdr --picture p.png --html -o f.srbf",
+        call: "fit s.csv --lobes 1 --starts 1 --steps 2 --views 3 --exchanges 0 --factors none --env map.hdr --picture p.png --html -o f.srbf",
         inputs: &[("files", "s.csv"), ("env", "map.hdr")],
         writes: &["f.srbf", "f.json", "p.png", "p.html"],
         // The name of the report is made of that of the material.
@@ -61,6 +61,18 @@ const CASES: &[Case] = &[
         inputs: &[("input", "m.srbf"), ("against", "t.bsdf")],
         writes: &["x.srbf"],
         onto: &[("pack m.srbf -o @", "m.srbf"), ("pack m.srbf --against t.bsdf -o @", "t.bsdf")],
+    },
+    Case {
+        call: "join --front-reflection m.srbf --front-transmission g.srbf --back-reflection b.srbf --back-transmission n.srbf \
+            -o sheet.srbf",
+        inputs: &[
+            ("front_reflection", "m.srbf"),
+            ("front_transmission", "g.srbf"),
+            ("back_reflection", "b.srbf"),
+            ("back_transmission", "n.srbf"),
+        ],
+        writes: &["sheet.srbf"],
+        onto: &[("join --front-reflection m.srbf -o @", "m.srbf")],
     },
     Case {
         call: "render --scene room --mesh a.obj --material net.f32le:one --lobes m.srbf --ground-material g.srbf \

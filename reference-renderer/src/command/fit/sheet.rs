@@ -10,8 +10,8 @@ use anyhow::{Context, bail};
 use srbf_core::{Material, Quarter};
 use srbf_fit::judge::report::Input;
 use srbf_fit::read::SheetSource;
-use srbf_fit::read::window::{Window, words as quarter_words};
-use srbf_fit::{QuarterFit, SheetFit, fit_sheet, stored};
+use srbf_fit::read::window::words as quarter_words;
+use srbf_fit::{Light, QuarterFit, SheetFit, fit_sheet, stored};
 use std::path::{Path, PathBuf};
 
 /// The picture of a quarter, beside that of the whole.
@@ -22,25 +22,25 @@ fn picture_of(picture: &Path, quarter: Quarter) -> PathBuf {
 }
 
 /// Fits all quarters of a sheet, with a picture of each, and one report.
-pub fn fit(args: &Args, place: &Job, picture: Option<&Path>, sheet: &SheetSource) -> anyhow::Result<()> {
-    let SheetSource { window, name, sha256 } = sheet;
+pub fn fit(args: &Args, place: &Job, picture: Option<&Path>, mut sheet: SheetSource) -> anyhow::Result<()> {
+    let (name, sha256) = (sheet.name.clone(), sheet.sha256.clone());
     if args.cross_validate || args.method != super::MethodName::Tracked {
         bail!("{}: a sheet is fitted by our own method, without --cross-validate", shown(&place.file));
     }
-    for quarter in stored(sheet) {
+    for quarter in stored(&sheet) {
         picture.map_or(Ok(()), |path| output::check_place(&picture_of(path, quarter)))?;
     }
     let light = picture.map(|_| args.picture.light()).transpose()?;
     let mut settings = args.settings.settings();
     settings.provenance = format!("{name}, SHA-256 {sha256}\n");
-    let progress = Progress::of_shares(name);
-    let fit =
-        fit_sheet(sheet, &settings, |share| progress.set_share(share)).with_context(|| shown(&place.file))?;
+    let progress = Progress::of_shares(&name);
+    let fit = fit_sheet(&sheet, &settings, |share| progress.set_share(share))
+        .with_context(|| shown(&place.file))?;
     drop(progress);
 
     let files = output::together();
     output::write(&place.output, &fit.bytes)?;
-    let mut json = fit.to_json(window);
+    let (mut json, notes) = (fit.to_json(&sheet), notes(&sheet, &fit));
     let mut pictures = Vec::new();
     let mut quarters = serde_json::Map::new();
     for QuarterFit { quarter, fit, .. } in &fit.quarters {
@@ -50,7 +50,9 @@ pub fn fit(args: &Args, place: &Job, picture: Option<&Path>, sheet: &SheetSource
         let report = fit.report.to_json(&material, &input, &settings)?;
         let words = args.words.say_quarter(quarter_words(*quarter), &fit.report, &material)?;
         quarters.insert(own.to_owned(), serde_json::from_str(&report)?);
-        if let Some(((path, light), source)) = picture.zip(light.as_ref()).zip(sheet.quarter(*quarter)) {
+        if let Some(((path, light), source)) =
+            picture.zip(light.as_ref()).zip(sheet.quarters[*quarter as usize].take())
+        {
             let path = picture_of(path, *quarter);
             args.picture.write(&path, &path, light, (fit.bytes.clone(), source), &words)?;
             if let Some(page) = args.picture.page(&path) {
@@ -76,7 +78,7 @@ pub fn fit(args: &Args, place: &Job, picture: Option<&Path>, sheet: &SheetSource
         print!("{json}");
         return Ok(());
     }
-    say(&place.output, window, &fit);
+    say(&place.output, &notes, &fit);
     let report = names::report(&place.output);
     let paths = [&place.output, &report].into_iter().chain(&pictures).map(shown);
     println!("wrote {}", paths.collect::<Vec<_>>().join(", "));
@@ -84,41 +86,71 @@ pub fn fit(args: &Args, place: &Job, picture: Option<&Path>, sheet: &SheetSource
     Ok(())
 }
 
-/// Prints where the light goes.
-fn say(output: &Path, window: &Window, fit: &SheetFit) {
-    println!("{}: {} bytes, {} quarters", shown(output), fit.bytes.len(), fit.quarters.len());
+/// Sentences about the sheet.
+fn notes(sheet: &SheetSource, fit: &SheetFit) -> Vec<String> {
+    let mut notes = Vec::new();
     if fit.is_symmetric {
-        println!("note  the back is like the front, and is stored once");
+        notes.push("the back is like the front, and is stored once".to_owned());
     }
-    if let Some(apart) = window.disagreement.filter(|apart| *apart > 0.01) {
-        println!(
-            "note  transmission from the front and from the back differs by {:.0} %; of a sheet that is reciprocal both are one function, \
-             and their mean is fitted",
+    let disagreement = sheet.window.as_ref().and_then(|window| window.disagreement);
+    if let Some(apart) = disagreement.filter(|apart| *apart > 0.01) {
+        notes.push(format!(
+            "transmission from the front and from the back differs by {:.0} %; of a sheet that is reciprocal both are one function, and \
+             their mean is fitted",
             100.0 * apart
-        );
+        ));
     }
-    if window.scale < 1.0 {
-        println!(
-            "note  the file reflects and transmits up to {:.1} % of the light that falls on it; values are lowered to 100 %",
-            100.0 / window.scale
-        );
-    }
-    for QuarterFit { quarter, patches, .. } in &fit.quarters {
-        println!(
-            "patch {}: values differ by {:.1} % (relative L2)",
-            quarter_words(*quarter),
-            100.0 * patches
-        );
-    }
-    for (name, lights) in ["front", "back"].into_iter().zip(&fit.sides) {
-        if fit.is_symmetric && name == "back" {
-            continue;
+    if sheet.is_one_way {
+        for (own, words) in
+            sheet.quarters.iter().zip(["reflection of the front", "transmission", "reflection of the back"])
+        {
+            notes.push(match own {
+                None => format!("the {words} has no samples, and is black"),
+                Some(_) if words == "transmission" => {
+                    format!("the {words} is taken as the same from both sides, as light goes either way")
+                }
+                Some(_) => continue,
+            });
         }
-        println!("light on the {name}, share reflected and transmitted, of the file and of the fit:");
+    }
+    if fit.scale < 1.0 {
+        notes.push(format!(
+            "the file reflects and transmits up to {:.1} % of the light that falls on it; values are lowered to 100 %",
+            100.0 / fit.scale
+        ));
+    }
+    notes
+}
+
+/// Prints where the light goes.
+fn say(output: &Path, notes: &[String], fit: &SheetFit) {
+    println!("{}: {} bytes, {} quarters", shown(output), fit.bytes.len(), fit.quarters.len());
+    notes.iter().for_each(|note| println!("note  {note}"));
+    for QuarterFit { quarter, patches, .. } in &fit.quarters {
+        let Some(patches) = patches else { continue };
+        let words = quarter_words(*quarter);
+        println!("patch {words}: values differ by {:.1} % (relative L2)", 100.0 * patches);
+    }
+    say_light(&fit.sides, fit.is_symmetric);
+}
+
+/// Prints shares of the light that falls on the front, and on the back where that differs.
+pub fn say_light(sides: &[Vec<Light>; 2], is_symmetric: bool) {
+    let both = ["front", "back"].into_iter().zip(sides);
+    for (name, lights) in both.take(if is_symmetric { 1 } else { 2 }) {
+        let of = if lights.iter().any(|light| light.data.is_some()) {
+            "of the file and of the fit"
+        } else {
+            "of the fit"
+        };
+        println!("light on the {name}, share reflected and transmitted, {of}:");
         println!("  degrees   reflected        transmitted");
-        for l in lights {
-            let [a, b] = [l.reflected, l.transmitted].map(|[data, fit]| format!("{data:.4}  {fit:.4}"));
-            println!("  {:>7.1}   {a}   {b}", l.theta.to_degrees());
+        for light in lights {
+            let of = |which: usize| {
+                let data = light.data.map_or_else(|| "-".to_owned(), |data| format!("{:.4}", data[which]));
+                format!("{data:>6}  {:.4}", light.fit[which])
+            };
+            println!("  {:>7.1}   {}   {}", light.theta.to_degrees(), of(0), of(1));
         }
     }
 }

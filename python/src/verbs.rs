@@ -1,0 +1,136 @@
+//! The verbs of a material and of a sheet on arrays.
+
+use crate::arrays::{Shape, Vectors, broadcast, room, slices_mut};
+use crate::error;
+use pyo3::prelude::*;
+use pyo3::types::PyTuple;
+use srbf_core::{Draws, Error, Material, Request, Sheet, Towards};
+
+/// Draws and evaluates for many hits.
+pub trait Ask: Sync {
+    /// See `srbf_core::Material::ask`.
+    fn answer(&self, wo: [&[f32]; 3], request: Request<'_>) -> Result<(), Error>;
+}
+
+impl Ask for Material<Vec<u8>> {
+    fn answer(&self, wo: [&[f32]; 3], request: Request<'_>) -> Result<(), Error> {
+        self.ask(wo, request)
+    }
+}
+
+impl Ask for Sheet<Vec<u8>> {
+    fn answer(&self, wo: [&[f32]; 3], request: Request<'_>) -> Result<(), Error> {
+        self.ask(wo, request)
+    }
+}
+
+/// The samples of a call.
+struct Drawn {
+    direction: [Vec<f32>; 3],
+    pdf: Vec<f32>,
+    weight: [Vec<f32>; 3],
+}
+
+impl Drawn {
+    fn new(n: usize) -> Self {
+        Self { direction: room(n), pdf: vec![0.0; n], weight: room(n) }
+    }
+
+    fn draws<'a>(&'a mut self, u: [&'a [f32]; 3]) -> Draws<'a> {
+        Draws {
+            u,
+            direction: slices_mut(&mut self.direction),
+            pdf: Some(&mut self.pdf),
+            weight: Some(slices_mut(&mut self.weight)),
+        }
+    }
+
+    /// As a `srbf_brdf.Sample`.
+    fn into_python<'py>(self, py: Python<'py>, shape: Shape) -> PyResult<Bound<'py, PyAny>> {
+        let arguments = (
+            shape.vectors(py, self.direction)?,
+            shape.numbers(py, self.pdf)?,
+            shape.vectors(py, self.weight)?,
+        );
+        py.import("srbf_brdf.types")?.getattr("Sample")?.call1(arguments)
+    }
+}
+
+/// `f cos` of pairs of directions.
+pub fn evaluate<'py>(
+    py: Python<'py>,
+    of: &impl Ask,
+    wo: &Bound<'py, PyAny>,
+    wi: &Bound<'py, PyAny>,
+) -> PyResult<Bound<'py, PyAny>> {
+    let (mut wo, mut wi) = (Vectors::directions(wo, "wo")?, Vectors::directions(wi, "wi")?);
+    let shape = broadcast([&mut wo, &mut wi], "wo and wi")?;
+    let mut value = room(shape.n);
+    let towards = Towards { wi: wi.slices(), value: Some(slices_mut(&mut value)), pdf: None };
+    py.detach(|| of.answer(wo.slices(), towards.into())).map_err(error::value)?;
+    shape.vectors(py, value)
+}
+
+/// Density of pairs of directions.
+pub fn pdf<'py>(
+    py: Python<'py>,
+    of: &impl Ask,
+    wo: &Bound<'py, PyAny>,
+    wi: &Bound<'py, PyAny>,
+) -> PyResult<Bound<'py, PyAny>> {
+    let (mut wo, mut wi) = (Vectors::directions(wo, "wo")?, Vectors::directions(wi, "wi")?);
+    let shape = broadcast([&mut wo, &mut wi], "wo and wi")?;
+    let mut pdf = vec![0.0; shape.n];
+    let towards = Towards { wi: wi.slices(), value: None, pdf: Some(&mut pdf) };
+    py.detach(|| of.answer(wo.slices(), towards.into())).map_err(error::value)?;
+    shape.numbers(py, pdf)
+}
+
+/// Both.
+pub fn evaluate_and_pdf<'py>(
+    py: Python<'py>,
+    of: &impl Ask,
+    wo: &Bound<'py, PyAny>,
+    wi: &Bound<'py, PyAny>,
+) -> PyResult<(Bound<'py, PyAny>, Bound<'py, PyAny>)> {
+    let (mut wo, mut wi) = (Vectors::directions(wo, "wo")?, Vectors::directions(wi, "wi")?);
+    let shape = broadcast([&mut wo, &mut wi], "wo and wi")?;
+    let (mut value, mut pdf) = (room(shape.n), vec![0.0; shape.n]);
+    let towards = Towards { wi: wi.slices(), value: Some(slices_mut(&mut value)), pdf: Some(&mut pdf) };
+    py.detach(|| of.answer(wo.slices(), towards.into())).map_err(error::value)?;
+    Ok((shape.vectors(py, value)?, shape.numbers(py, pdf)?))
+}
+
+/// Incident directions by three uniform numbers each.
+pub fn sample<'py>(
+    py: Python<'py>,
+    of: &impl Ask,
+    wo: &Bound<'py, PyAny>,
+    u: &Bound<'py, PyAny>,
+) -> PyResult<Bound<'py, PyAny>> {
+    let (mut wo, mut u) = (Vectors::directions(wo, "wo")?, Vectors::uniform(u, "u")?);
+    let shape = broadcast([&mut wo, &mut u], "wo and u")?;
+    let mut drawn = Drawn::new(shape.n);
+    let draws = drawn.draws(u.slices());
+    py.detach(|| of.answer(wo.slices(), draws.into())).map_err(error::value)?;
+    drawn.into_python(py, shape)
+}
+
+/// Both, towards other directions.
+pub fn sample_and_evaluate<'py>(
+    py: Python<'py>,
+    of: &impl Ask,
+    wo: &Bound<'py, PyAny>,
+    u: &Bound<'py, PyAny>,
+    wi: &Bound<'py, PyAny>,
+) -> PyResult<Bound<'py, PyTuple>> {
+    let (mut wo, mut u) = (Vectors::directions(wo, "wo")?, Vectors::uniform(u, "u")?);
+    let mut wi = Vectors::directions(wi, "wi")?;
+    let shape = broadcast([&mut wo, &mut u, &mut wi], "wo, u and wi")?;
+    let (mut drawn, mut value, mut pdf) = (Drawn::new(shape.n), room(shape.n), vec![0.0; shape.n]);
+    let towards = Towards { wi: wi.slices(), value: Some(slices_mut(&mut value)), pdf: Some(&mut pdf) };
+    let request = Request { draw: Some(drawn.draws(u.slices())), evaluate: Some(towards) };
+    py.detach(|| of.answer(wo.slices(), request)).map_err(error::value)?;
+    let sample = drawn.into_python(py, shape)?;
+    PyTuple::new(py, [sample, shape.vectors(py, value)?, shape.numbers(py, pdf)?])
+}
