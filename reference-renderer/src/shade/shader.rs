@@ -17,7 +17,7 @@ pub enum LoadedMaterial {
     /// A table or model, as it is.
     Table(Box<MeasuredMaterial>),
     /// A sheet.
-    Sheet(StoredSheet),
+    Sheet(Box<StoredSheet>),
 }
 
 impl LoadedMaterial {

@@ -35,7 +35,7 @@ fn object(scene: SceneName, name: &str) -> anyhow::Result<LoadedMaterial> {
     if scene.has_sheet() {
         let sheet =
             StoredSheet::load(name).with_context(|| format!("--scene {} shows a sheet", scene.text()));
-        return Ok(LoadedMaterial::Sheet(sheet?));
+        return Ok(LoadedMaterial::Sheet(Box::new(sheet?)));
     }
     LoadedMaterial::load(name).map_err(|error| match error.downcast_ref() {
         Some(FormatError::Kind { .. }) => error.context(format!(

@@ -72,8 +72,7 @@ fn uneven() -> StoredSheet {
     StoredSheet::new("uneven", Cow::Owned(bytes)).unwrap()
 }
 
-/// The furnace: under the same light from everywhere, a sheet shows what it reflects and transmits together; a lossless one is as bright as the
-/// light.
+/// The furnace: under the same light from everywhere, a sheet shows the sum of its two shares; a lossless one is as bright as the light.
 #[test]
 fn a_sheet_in_the_furnace_has_the_sum_of_its_shares() {
     let environment = Environment::constant(1.7).unwrap();
