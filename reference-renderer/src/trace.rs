@@ -14,3 +14,5 @@ pub mod path;
 pub mod render;
 pub mod scene;
 pub mod settings;
+#[cfg(test)]
+mod tests;

@@ -1,4 +1,4 @@
-//! The truth of a picture, whatever samples it: lobes, or a measured table.
+//! The truth of a picture, whatever samples it: lobes, a measured table, or a sheet.
 //!
 //! GGX lobes that follow a table (`guided`) stand here too: a table of albedo is integrated by them.
 //!
@@ -7,10 +7,12 @@
 pub mod guided;
 pub mod measured;
 pub mod networks;
+pub mod sheets;
 pub mod stored;
 
 use crate::truth::guided::Guide;
 use crate::truth::measured::MeasuredMaterial;
+use crate::truth::sheets::StoredSheet;
 use crate::truth::stored::Bytes;
 use glam::DVec3;
 use srbf_core::{MAX_LOBES, Material, Mixture, SpectralMap};
@@ -27,6 +29,8 @@ pub enum Truth<'a> {
     Lobes(&'a Material<Bytes>),
     /// A table or model.
     Table(&'a MeasuredMaterial),
+    /// Lobes on both sides of a thin surface.
+    Sheet(&'a StoredSheet),
 }
 
 impl<'a> Truth<'a> {
@@ -35,21 +39,23 @@ impl<'a> Truth<'a> {
         match self {
             Self::Lobes(material) => material.is_isotropic(),
             Self::Table(measured) => measured.is_isotropic(),
+            Self::Sheet(stored) => stored.is_isotropic,
         }
     }
 
-    /// Its own map from colours to spectra; `None` without one.
+    /// Its own map from colours to spectra; `None` without one. The quarters of a sheet may have several, of which none is taken.
     pub fn spectral_map(&self) -> Option<SpectralMap<'a>> {
         match self {
             Self::Lobes(material) => material.spectral_map(),
             Self::Table(measured) => measured.spectral_map(),
+            Self::Sheet(_) => None,
         }
     }
 
     /// What its file brings along to be sampled by.
     pub fn draws(&self) -> Option<&'a dyn Draws> {
         match self {
-            Self::Lobes(_) => None,
+            Self::Lobes(_) | Self::Sheet(_) => None,
             Self::Table(measured) => measured.draws(),
         }
     }
@@ -81,6 +87,7 @@ impl Reflection for Truth<'_> {
                 if prepared.is_ok() { mixture.evaluate(wi.as_vec3()).as_dvec3() } else { DVec3::ZERO }
             }
             Self::Table(measured) => measured.f_cos(wi, wo),
+            Self::Sheet(stored) => stored.sheet.evaluate(wo.as_vec3(), wi.as_vec3()).as_dvec3(),
         }
     }
 }

@@ -1,7 +1,9 @@
-//! What light travels through: triangles, rays that meet them, maps of light.
+//! What light travels through: triangles and balls, rays that meet them, maps of light, a bulb.
 //!
 //! May import: `numbers`, `out`.
 
+pub mod ball;
+pub mod bulb;
 pub mod environment;
 pub mod illuminant;
 pub mod intersect;

@@ -136,7 +136,7 @@ fn check(args: &Args) -> anyhow::Result<()> {
             "--scenes statue: --mesh FILE is expected, which is the statue"
         );
         ensure!(
-            args.mesh.is_none() || !scene.is_sphere(),
+            args.mesh.is_none() || scene.takes_mesh(),
             "--mesh: it takes the place of the teapot, --scenes teapot, statue or room are expected"
         );
         ensure!(

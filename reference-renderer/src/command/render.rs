@@ -18,6 +18,7 @@ use crate::trace::render::{add_samples, add_samples_by_waves, add_spectral_sampl
 use crate::trace::scene::{Role, Scene, SceneName, Standpoint};
 use crate::trace::settings::RenderSettings;
 use crate::truth::Truth;
+use crate::truth::sheets::GROUND_GLASS;
 use crate::truth::stored;
 use crate::world::environment::file::Projection;
 use crate::world::illuminant::Illuminant;
@@ -47,17 +48,19 @@ pub struct Args {
     mesh_up: Up,
     /// The material of the object: a .srbf file or the name of a preset, of which the lobes are the material; or a table or
     /// model that `fit` reads (.bsdf, .binary, .brdf, .astm, .csv, model:..., FILE.csv:NAME of published Lafortune fits), which is the
-    /// truth, whatever samples it
-    #[arg(long, default_value = stored::DEFAULT, value_name = "FILE|PRESET|MODEL")]
-    material: String,
-    /// Material of the ground, and of the room's floor and back wall [default: matte]
+    /// truth, whatever samples it [default: garnet_red; of lamp-shade and window ground_glass]
+    ///
+    /// Of lamp-shade and window it is a sheet, a thin surface that lets light through: a .srbf file of `fit FILE.xml`, or ground_glass
+    #[arg(long, value_name = "FILE|PRESET|MODEL")]
+    material: Option<String>,
+    /// Material of the ground, and of floors and walls without a colour [default: matte]
     #[arg(long, value_name = "FILE|PRESET|MODEL")]
     ground_material: Option<String>,
-    /// Material of the ball in the room [default: krylon_blue]
+    /// Material of the ball in a room, and of the lamp's foot [default: krylon_blue]
     #[arg(long, value_name = "FILE|PRESET|MODEL")]
     ball_material: Option<String>,
     /// The light: sky, haze (the sun spread wide), constant:VALUE, or a map in a .hdr or .exr file [default: sky; of the
-    /// furnace constant:1]
+    /// furnace constant:1, of the lamp constant:0.03, of the window haze]
     #[arg(long)]
     env: Option<String>,
     /// How the map shows directions: by longitude and latitude, or as an angular map, a disc round the direction of its centre
@@ -157,15 +160,15 @@ fn check(args: &Args) -> anyhow::Result<()> {
     let has = |role| args.scene.roles().contains(&role);
     ensure!(
         args.ground_material.is_none() || has(Role::Ground),
-        "--ground-material: the scene has no ground, --scene teapot, statue or room is expected"
+        "--ground-material: the scene has no ground, --scene teapot, statue, room, lamp-shade or window is expected"
     );
     ensure!(
         args.ball_material.is_none() || has(Role::Ball),
-        "--ball-material: the scene has no ball, --scene room is expected"
+        "--ball-material: the scene has no ball, --scene room, lamp-shade or window is expected"
     );
     match (args.scene, &args.mesh) {
         (SceneName::Statue, None) => bail!("--scene statue: --mesh FILE is expected, which is the statue"),
-        (scene, Some(_)) if scene.is_sphere() => {
+        (scene, Some(_)) if !scene.takes_mesh() => {
             bail!("--mesh: it takes the place of the teapot, --scene teapot, statue or room is expected")
         }
         _ => {}
@@ -209,7 +212,7 @@ fn render(args: &Args) -> anyhow::Result<()> {
     };
     let strategy = Strategy { light: args.light.unwrap_or(own_light), ..args.sampler };
     let names = cast::Names {
-        object: &args.material,
+        object: args.material.as_deref().unwrap_or(own_material(args.scene)),
         ground: args.ground_material.as_deref(),
         ball: args.ball_material.as_deref(),
         lobes: args.lobes.as_deref(),
@@ -318,8 +321,12 @@ fn render(args: &Args) -> anyhow::Result<()> {
 
 /// The light, as it is named.
 fn env(args: &Args) -> &str {
-    let own = if args.scene == SceneName::Furnace { "constant:1" } else { "sky" };
-    args.env.as_deref().unwrap_or(own)
+    args.env.as_deref().unwrap_or(args.scene.light())
+}
+
+/// The object's material where none is named.
+fn own_material(scene: SceneName) -> &'static str {
+    if scene.has_sheet() { GROUND_GLASS } else { stored::DEFAULT }
 }
 
 /// Prints every rendered material and its sampler.
@@ -362,6 +369,7 @@ fn rendered(material: &LoadedMaterial) -> String {
             Some(samples) => format!("{name}, {samples} samples completed"),
             None => format!("{name}, the table"),
         },
+        (Truth::Sheet(stored), name) => format!("{name}, a sheet, lobes: {}", stored.sheet.lobe_count()),
     }
 }
 

@@ -45,6 +45,8 @@ pub enum Decision {
     Roulette,
     /// The wavelengths that the path carries.
     Wavelengths,
+    /// The direction towards the bulb.
+    Bulb,
 }
 
 /// Where the numbers of one sample of one pixel come from.

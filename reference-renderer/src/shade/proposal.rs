@@ -4,20 +4,22 @@ use crate::numbers::points::{Decision, Points};
 use crate::numbers::random::Random;
 use crate::truth::LargeMixture;
 use glam::{DVec3, Vec3};
+use srbf_core::{MAX_LOBES, SheetMixture};
 use srbf_thesis::samplers::ggx_parts;
 use srbf_thesis::samplers::plain::{UNIFORM_DENSITY, cosine, cosine_density, uniform};
 use srbf_thesis::samplers::{analytic, factored, lafortune, rgl, tabulated, thesis};
 
-/// Storage that a proposal may need: our lobes, and those of the thesis.
+/// Storage that a proposal may need: our lobes, those of the thesis, and those of a sheet, once one is met.
 pub struct Mixtures<'a> {
     pub lobes: LargeMixture<'a>,
     pub round: LargeMixture<'a>,
+    pub sheet: Option<Box<SheetMixture<'a, MAX_LOBES>>>,
 }
 
 impl Mixtures<'_> {
     /// Without lobes.
     pub fn empty() -> Self {
-        Self { lobes: LargeMixture::empty(), round: LargeMixture::empty() }
+        Self { lobes: LargeMixture::empty(), round: LargeMixture::empty(), sheet: None }
     }
 }
 
@@ -35,6 +37,8 @@ pub enum Part<'a> {
     Rgl(rgl::RglProposal<'a>),
     /// The mixture `round`.
     Thesis(thesis::ThesisProposal),
+    /// The mixtures `sheet`, which draw on both sides.
+    Sheet,
 }
 
 /// A sampler for one outgoing direction: a part that is like the material, and a share of the cosine. All directions are unit vectors
@@ -82,14 +86,20 @@ impl Proposal<'_> {
             self.sample_part(mixtures, [rest, u, v])?
         };
         // Rounded first: value and density are those of the direction that is handed out.
-        (direction.z > 0.0).then_some(direction)
+        self.is_seen(direction).then_some(direction)
+    }
+
+    /// Whether light from a direction is seen: on the side of the viewer, and through a sheet.
+    #[inline]
+    fn is_seen(&self, direction: Vec3) -> bool {
+        direction.z > 0.0 || matches!(self.part, Part::Sheet)
     }
 
     /// Density of [`sample`](Self::sample); 1/sr. Its integral over the hemisphere is at most 1: of most parts, some directions lie
     /// below it.
     #[inline]
     pub fn pdf(&self, mixtures: &Mixtures<'_>, wi: Vec3) -> f32 {
-        if wi.z <= 0.0 {
+        if !self.is_seen(wi) {
             return 0.0;
         }
         self.mix(self.part_pdf(mixtures, wi), wi)
@@ -138,6 +148,7 @@ impl Proposal<'_> {
         let wide = u.map(f64::from);
         let direction = match &self.part {
             Part::Lobes => return mixtures.lobes.sample(u).map(|sample| sample.direction),
+            Part::Sheet => return mixtures.sheet.as_ref()?.sample(u).map(|sample| sample.direction),
             Part::Thesis(lobes) => {
                 return lobes.sample(&mixtures.round, u, |[a, b, c]| Random::new(a, b, c));
             }
@@ -156,13 +167,14 @@ impl Proposal<'_> {
     fn part_pdf(&self, mixtures: &Mixtures<'_>, wi: Vec3) -> f32 {
         let wide: DVec3 = match &self.part {
             Part::Lobes => return mixtures.lobes.pdf(wi),
+            Part::Sheet => return mixtures.sheet.as_ref().map_or(0.0, |pair| pair.evaluate_and_pdf(wi).1),
             Part::Thesis(_) => return mixtures.round.pdf(wi),
             Part::Uniform => return UNIFORM_DENSITY as f32,
             Part::Rgl(proposal) => return proposal.look_up(wi).density,
             _ => wi.as_dvec3().normalize(),
         };
         let density = match &self.part {
-            Part::Lobes | Part::Thesis(_) | Part::Uniform | Part::Rgl(_) => 0.0,
+            Part::Lobes | Part::Sheet | Part::Thesis(_) | Part::Uniform | Part::Rgl(_) => 0.0,
             Part::Cosine => cosine_density(wide),
             Part::Guided(proposal) => proposal.density(wide),
             Part::Analytic(proposal) => proposal.density(wide),

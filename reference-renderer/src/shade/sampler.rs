@@ -50,12 +50,22 @@ impl<'a> Sampler<'a> {
     /// Fits a sampler to the rendered material. `lobes` sample a table; without any, a table's own lobes are its guide.
     ///
     /// # Errors
-    /// Names materials that the sampler cannot sample: anisotropic ones by isotropic methods, others than `.bsdf` files by their warps.
+    /// Names materials that the sampler cannot sample: anisotropic ones by isotropic methods, others than `.bsdf` files by their warps, sheets
+    /// by anything but their lobes.
     pub fn fit(
         name: SamplerName,
         truth: &Truth<'a>,
         lobes: Option<&'a Material<Bytes>>,
     ) -> anyhow::Result<Self> {
+        if let Truth::Sheet(stored) = truth
+            && !matches!(name, SamplerName::Lobes | SamplerName::LobesMulti)
+        {
+            bail!(
+                "{}: the sheet {} is sampled by its own lobes, on both sides; even, mis, product, light or lobes is expected",
+                name.text(),
+                stored.name
+            );
+        }
         let of_lobes = || match (truth, lobes) {
             (Truth::Table(_), Some(lobes)) => (Kind::Lobes(lobes), COSINE),
             _ => (Kind::Own, 0.0),
@@ -108,6 +118,7 @@ impl<'a> Sampler<'a> {
             Kind::Own => match truth {
                 Truth::Lobes(_) => Part::Lobes,
                 Truth::Table(measured) => Part::Guided(measured.guide().proposal(wide())),
+                Truth::Sheet(_) => Part::Sheet,
             },
             Kind::Lobes(material) => {
                 material.prepare(wo, &mut mixtures.lobes)?;
@@ -142,6 +153,7 @@ impl<'a> Sampler<'a> {
         let what = match &self.kind {
             Kind::Own => match truth {
                 Truth::Lobes(_) => "its lobes".to_owned(),
+                Truth::Sheet(_) => "its lobes on both sides".to_owned(),
                 Truth::Table(_) => {
                     "GGX lobes of fixed roughness and a cosine, weighted by the table".to_owned()
                 }

@@ -1,13 +1,14 @@
-//! The materials of a scene: lobes, or a measured table, each with its sampler.
+//! The materials of a scene: lobes, a measured table, or a sheet, each with its sampler.
 
 use crate::numbers::points::{Decision, Points};
 use crate::shade::proposal::{Drawn, Mixtures, Part, Proposal};
 use crate::shade::sampler::{OWN, Sampler};
 use crate::truth::measured::MeasuredMaterial;
+use crate::truth::sheets::StoredSheet;
 use crate::truth::stored::{Bytes, StoredMaterial};
 use crate::truth::{LargeMixture, Truth};
 use glam::{DVec3, Vec3};
-use srbf_core::{Error, Material, Sample, Towards, luminance};
+use srbf_core::{Error, MAX_LOBES, Material, Sample, SheetMixture, Towards, luminance};
 
 /// A material that was loaded.
 pub enum LoadedMaterial {
@@ -15,6 +16,8 @@ pub enum LoadedMaterial {
     Lobes(StoredMaterial),
     /// A table or model, as it is.
     Table(Box<MeasuredMaterial>),
+    /// A sheet.
+    Sheet(Box<StoredSheet>),
 }
 
 impl LoadedMaterial {
@@ -34,13 +37,14 @@ impl LoadedMaterial {
         match self {
             Self::Lobes(stored) => &stored.name,
             Self::Table(measured) => &measured.name,
+            Self::Sheet(stored) => &stored.name,
         }
     }
 
     /// The table, if it is one.
     pub fn table(&self) -> Option<&MeasuredMaterial> {
         match self {
-            Self::Lobes(_) => None,
+            Self::Lobes(_) | Self::Sheet(_) => None,
             Self::Table(measured) => Some(measured),
         }
     }
@@ -50,6 +54,7 @@ impl LoadedMaterial {
         match self {
             Self::Lobes(stored) => format!("{}, {} lobes", stored.name, stored.material.lobe_count()),
             Self::Table(measured) => format!("{}, table", measured.name),
+            Self::Sheet(stored) => format!("{}, sheet", stored.name),
         }
     }
 
@@ -58,6 +63,7 @@ impl LoadedMaterial {
         match self {
             Self::Lobes(stored) => Truth::Lobes(&stored.material),
             Self::Table(measured) => Truth::Table(measured),
+            Self::Sheet(stored) => Truth::Sheet(stored),
         }
     }
 
@@ -92,6 +98,12 @@ impl<'a> From<&'a MeasuredMaterial> for Shader<'a> {
     }
 }
 
+impl<'a> From<&'a StoredSheet> for Shader<'a> {
+    fn from(stored: &'a StoredSheet) -> Self {
+        Truth::Sheet(stored).into()
+    }
+}
+
 impl<'a> Shader<'a> {
     /// Gets ready for an outgoing direction, a unit vector in the shading frame.
     ///
@@ -99,12 +111,16 @@ impl<'a> Shader<'a> {
     /// As [`Material::prepare`].
     #[inline]
     pub fn prepare(&self, wo: Vec3, scattering: &mut Scattering<'a>) -> Result<(), Error> {
-        scattering.table = match self.truth {
+        scattering.scatterer = match self.truth {
             Truth::Lobes(material) => {
                 material.prepare(wo, &mut scattering.mixtures.lobes)?;
-                None
+                Scatterer::Lobes
             }
-            Truth::Table(measured) => Some((measured, wo.as_dvec3().normalize())),
+            Truth::Table(measured) => Scatterer::Table(measured, wo.as_dvec3().normalize()),
+            Truth::Sheet(stored) => {
+                stored.sheet.prepare(wo, scattering.mixtures.sheet.get_or_insert_default())?;
+                Scatterer::Sheet
+            }
         };
         scattering.proposal = self.sampler.prepare(wo, &self.truth, &mut scattering.mixtures)?;
         Ok(())
@@ -119,33 +135,56 @@ impl<'a> Shader<'a> {
         }
     }
 
+    /// Whether light comes through.
+    #[inline]
+    pub fn is_sheet(&self) -> bool {
+        matches!(self.truth, Truth::Sheet(_))
+    }
+
     /// Whether the azimuth of the outgoing direction does not matter.
     pub fn is_isotropic(&self) -> bool {
         self.truth.is_isotropic()
     }
 }
 
+/// The source of values, for one outgoing direction.
+enum Scatterer<'a> {
+    /// The mixture `lobes`.
+    Lobes,
+    /// A table, and the outgoing direction.
+    Table(&'a MeasuredMaterial, DVec3),
+    /// The mixtures `sheet`, which draw too.
+    Sheet,
+}
+
 /// How a surface scatters towards one outgoing direction. All directions are unit vectors in the shading frame.
 pub struct Scattering<'a> {
     mixtures: Mixtures<'a>,
-    /// The table and the outgoing direction, where the lobes are not rendered.
-    table: Option<(&'a MeasuredMaterial, DVec3)>,
+    scatterer: Scatterer<'a>,
     proposal: Proposal<'a>,
 }
 
 impl<'a> Scattering<'a> {
     /// Storage for any material.
     pub fn empty() -> Self {
-        Self { mixtures: Mixtures::empty(), table: None, proposal: Proposal::cosine() }
+        Self { mixtures: Mixtures::empty(), scatterer: Scatterer::Lobes, proposal: Proposal::cosine() }
     }
 
     /// `f cos`; linear sRGB, 1/sr.
     #[inline]
     pub fn evaluate(&self, wi: Vec3) -> Vec3 {
-        match &self.table {
-            None => self.mixtures.lobes.evaluate(wi),
-            Some((table, wo)) => table.f_cos(wi.as_dvec3().normalize(), *wo).as_vec3(),
+        match &self.scatterer {
+            Scatterer::Lobes => self.mixtures.lobes.evaluate(wi),
+            Scatterer::Table(table, wo) => table.f_cos(wi.as_dvec3().normalize(), *wo).as_vec3(),
+            Scatterer::Sheet => self.sheet().map_or(Vec3::ZERO, |pair| pair.evaluate_and_pdf(wi).0),
         }
+    }
+
+    /// The mixtures of a sheet; `None` of another material.
+    #[inline]
+    fn sheet(&self) -> Option<&SheetMixture<'a, MAX_LOBES>> {
+        let is_sheet = matches!(self.scatterer, Scatterer::Sheet);
+        self.mixtures.sheet.as_deref().filter(|_| is_sheet)
     }
 
     /// `f cos`, and the density of [`sample`](Self::sample); 1/sr.
@@ -154,6 +193,9 @@ impl<'a> Scattering<'a> {
         if self.samples_its_lobes() {
             let (value, pdf) = self.mixtures.lobes.evaluate_and_pdf(wi);
             return (value, self.proposal.mix(pdf, wi));
+        }
+        if let Some(pair) = self.sheet() {
+            return pair.evaluate_and_pdf(wi);
         }
         if let Part::Rgl(warps) = &self.proposal.part
             && wi.z > 0.0
@@ -169,6 +211,9 @@ impl<'a> Scattering<'a> {
     pub fn sample(&self, u: [f32; 3]) -> Option<Sample> {
         if self.samples_its_lobes() && self.proposal.cosine == 0.0 {
             return self.mixtures.lobes.sample(u);
+        }
+        if let Some(pair) = self.sheet() {
+            return pair.sample(u);
         }
         let (direction, value, pdf) = match self.proposal.warps(u) {
             Some((warps, u)) => {
@@ -205,10 +250,10 @@ impl<'a> Scattering<'a> {
         }
     }
 
-    /// The value towards a direction, where the lobes are not rendered.
+    /// The value towards a direction, where a table is rendered.
     #[inline]
     pub fn other_truth(&self, wi: Vec3) -> Option<Vec3> {
-        self.table.is_some().then(|| self.evaluate(wi))
+        self.is_table().then(|| self.evaluate(wi))
     }
 
     /// Whether directions are drawn from the lobes and nothing else.
@@ -220,7 +265,18 @@ impl<'a> Scattering<'a> {
     /// Whether lobes are rendered and drawn from.
     #[inline]
     fn samples_its_lobes(&self) -> bool {
-        self.table.is_none() && matches!(self.proposal.part, Part::Lobes)
+        self.is_of_lobes() && matches!(self.proposal.part, Part::Lobes)
+    }
+
+    /// Whether the lobes of a material are rendered.
+    #[inline]
+    fn is_of_lobes(&self) -> bool {
+        matches!(self.scatterer, Scatterer::Lobes)
+    }
+
+    #[inline]
+    fn is_table(&self) -> bool {
+        matches!(self.scatterer, Scatterer::Table(..))
     }
 
     /// The lobes that directions are drawn from together with the light: where our lobes sample the rendered material, and bring some light
@@ -228,14 +284,14 @@ impl<'a> Scattering<'a> {
     #[inline]
     pub fn lobes_for_product(&self) -> Option<&LargeMixture<'a>> {
         let lobes = &self.mixtures.lobes;
-        let is_everywhere = self.table.is_none() || luminance(lobes.diffuse()) > 0.0;
+        let is_everywhere = self.is_of_lobes() || luminance(lobes.diffuse()) > 0.0;
         (matches!(self.proposal.part, Part::Lobes) && is_everywhere).then_some(lobes)
     }
 
-    /// The lobes that are rendered, or that draw.
+    /// The lobes of a material that are rendered, or that draw.
     #[inline]
     pub fn known_lobes(&self) -> Option<&LargeMixture<'a>> {
-        let is_known = self.table.is_none() || matches!(self.proposal.part, Part::Lobes);
+        let is_known = self.is_of_lobes() || matches!(self.proposal.part, Part::Lobes);
         is_known.then_some(&self.mixtures.lobes)
     }
 
@@ -253,7 +309,7 @@ impl<'a> Scattering<'a> {
 
     /// Values of the rendered material towards directions; lobes are evaluated together.
     pub fn evaluate_all<const N: usize>(&self, wi: &[Vec3; N]) -> [Vec3; N] {
-        if self.table.is_some() {
+        if !self.is_of_lobes() {
             return wi.map(|d| self.evaluate(d));
         }
         let [x, y, z] = [0, 1, 2].map(|k| wi.map(|d| d[k]));
@@ -264,8 +320,8 @@ impl<'a> Scattering<'a> {
         std::array::from_fn(|i| Vec3::new(red[i], green[i], blue[i]))
     }
 
-    /// The lobes that were prepared last.
-    pub fn lobes(&self) -> &LargeMixture<'a> {
-        &self.mixtures.lobes
+    /// The share of the light that the lobes scatter: of a sheet, on both sides.
+    pub fn albedo(&self) -> Vec3 {
+        self.sheet().map_or_else(|| self.mixtures.lobes.albedo(), |pair| pair.albedos().iter().sum())
     }
 }

@@ -73,7 +73,7 @@ fn is_fitted(name: SamplerName, truth: &Truth<'_>) -> bool {
 fn check(what: &str, truth: Truth<'_>, lobes: Option<Truth<'_>>, names: impl Iterator<Item = SamplerName>) {
     let lobes = lobes.map(|lobes| match lobes {
         Truth::Lobes(material) => material,
-        Truth::Table(_) => panic!("lobes"),
+        Truth::Table(_) | Truth::Sheet(_) => panic!("lobes"),
     });
     for name in names {
         let fitted = Sampler::fit(name, &truth, lobes);

@@ -40,7 +40,7 @@ impl Furnace {
 /// The mean directional albedo of each pixel of a picture of the given size; `None` where the sphere does not fill it.
 pub fn albedos(scene: &Scene<'_>, camera: &Camera, size: [u32; 2]) -> Vec<Option<DVec3>> {
     let table = match scene.object().truth {
-        Truth::Lobes(_) => None,
+        Truth::Lobes(_) | Truth::Sheet(_) => None,
         Truth::Table(measured) => Some(AlbedoTable::new(measured)),
     };
     let pixels = (0..size[0] * size[1]).into_par_iter();
@@ -109,7 +109,7 @@ fn albedo<'a>(
         return table.at(wo);
     }
     let prepared = scene.object().prepare(wo, scattering);
-    if prepared.is_ok() { scattering.lobes().albedo().as_dvec3() } else { DVec3::ZERO }
+    if prepared.is_ok() { scattering.albedo().as_dvec3() } else { DVec3::ZERO }
 }
 
 #[cfg(test)]

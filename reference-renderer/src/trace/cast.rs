@@ -4,8 +4,10 @@ use crate::shade::shader::{LoadedMaterial, Shader};
 use crate::shade::{Sampler, SamplerName};
 use crate::trace::scene::{Role, SceneName};
 use crate::truth::Truth;
+use crate::truth::sheets::StoredSheet;
 use crate::truth::stored::{self, StoredMaterial};
 use anyhow::{Context, ensure};
+use srbf_core::FormatError;
 
 /// Materials of the room's ball and coloured walls.
 const BALL: &str = "krylon_blue";
@@ -28,13 +30,29 @@ pub struct Cast {
     pub lobes: Option<StoredMaterial>,
 }
 
+/// Loads the object of a scene.
+fn object(scene: SceneName, name: &str) -> anyhow::Result<LoadedMaterial> {
+    if scene.has_sheet() {
+        let sheet =
+            StoredSheet::load(name).with_context(|| format!("--scene {} shows a sheet", scene.text()));
+        return Ok(LoadedMaterial::Sheet(Box::new(sheet?)));
+    }
+    LoadedMaterial::load(name).map_err(|error| match error.downcast_ref() {
+        Some(FormatError::Kind { .. }) => error.context(format!(
+            "--scene {} shows a material; lamp-shade and window show a sheet, and FILE:front-transmission is a material of it",
+            scene.text()
+        )),
+        _ => error,
+    })
+}
+
 impl Cast {
     /// Loads the materials of the roles that the scene has, and no others.
     ///
     /// # Errors
-    /// As [`LoadedMaterial::load`]; lobes for a material that is no table.
+    /// As [`LoadedMaterial::load`]; lobes for a material that is no table; a sheet where the scene shows a material, or the other way round.
     pub fn load(scene: SceneName, names: Names<'_>) -> anyhow::Result<Self> {
-        let object = LoadedMaterial::load(names.object)?;
+        let object = object(scene, names.object)?;
         ensure!(
             names.lobes.is_none() || object.table().is_some(),
             "--lobes: they sample a table, and {} names lobes, which sample themselves",

@@ -1,4 +1,4 @@
-//! The shading frame of a surface, on the side from where it is seen.
+//! The shading frame of a surface, on the side from where it is seen; that of a sheet is in front.
 
 use crate::shade::shader::Scattering;
 use crate::trace::scene::Surface;
@@ -19,13 +19,15 @@ pub fn look<'a>(surface: &Surface<'_, 'a>, ray: &Ray, scattering: &mut Scatterin
     surface.material.prepare(frame.to_local(wo), scattering).ok().map(|()| frame)
 }
 
-/// The shading frame at a point, on the side from where it is seen.
+/// The shading frame at a point.
 pub struct Frame {
     pub point: Vec3,
     pub flat: Vec3,
     pub tangent: Vec3,
     pub bitangent: Vec3,
     pub normal: Vec3,
+    /// Whether light comes through.
+    is_sheet: bool,
 }
 
 impl Frame {
@@ -34,6 +36,8 @@ impl Frame {
     /// The tangent is horizontal, as the grooves of an object are that was turned on a lathe about the vertical: along the parallels of
     /// the sphere and round the teapot's body. A sample that is turned has it turned along: by a quarter, grooves go along the meridians. It
     /// matters to anisotropic materials only.
+    ///
+    /// Its normal is on the side of the viewer. A sheet has two sides that are told apart: its normal is in front, and the viewer may be behind.
     pub fn new(surface: &Surface<'_, '_>, wo: Vec3) -> Self {
         let flat = if surface.flat.dot(wo) < 0.0 { -surface.flat } else { surface.flat };
         let mut normal = if surface.smooth.dot(flat) < 0.0 { -surface.smooth } else { surface.smooth };
@@ -42,6 +46,9 @@ impl Frame {
         if cosine < LEAST_COSINE {
             normal = (normal + wo * (LEAST_COSINE - cosine)).normalize();
         }
+        let is_sheet = surface.material.is_sheet();
+        let is_behind = is_sheet && surface.flat.dot(wo) < 0.0;
+        let (flat, normal) = if is_behind { (-flat, -normal) } else { (flat, normal) };
         let (tangent, bitangent) = match Vec3::Z.cross(normal).try_normalize() {
             Some(along) if !surface.material.is_isotropic() => {
                 let across = normal.cross(along);
@@ -50,7 +57,7 @@ impl Frame {
             }
             _ => normal.any_orthonormal_pair(),
         };
-        Self { point: surface.point, flat, tangent, bitangent, normal }
+        Self { point: surface.point, flat, tangent, bitangent, normal, is_sheet }
     }
 
     /// Into the shading frame.
@@ -65,16 +72,19 @@ impl Frame {
         (self.tangent * d.x + self.bitangent * d.y + self.normal * d.z).normalize()
     }
 
-    /// Whether a direction leaves the surface itself: one that does not would leak light through it.
+    /// Whether a direction leaves the surface itself: one that does not would leak light through it. From a sheet, directions leave on either
+    /// side, if it is that of the shading too.
     #[inline]
     pub fn leaves(&self, direction: Vec3) -> bool {
-        direction.dot(self.flat) > 0.0
+        let height = direction.dot(self.flat);
+        if self.is_sheet { height * direction.dot(self.normal) > 0.0 } else { height > 0.0 }
     }
 
-    /// A ray from just above the surface.
+    /// A ray from just beside the surface, on the side that it goes to.
     #[inline]
     pub fn ray(&self, direction: Vec3) -> Ray {
         let offset = RAY_OFFSET * self.point.abs().max_element().max(1.0);
+        let offset = offset.copysign(direction.dot(self.flat));
         Ray { origin: self.point + self.flat * offset, direction }
     }
 }

@@ -18,6 +18,7 @@ use crate::trace::path::Path;
 use crate::trace::scene::{Scene, Surface};
 use crate::trace::settings::RenderSettings;
 use crate::truth::LargeMixture;
+use crate::world::bulb::Bulb;
 use crate::world::environment::LightPlace;
 use crate::world::ray::Ray;
 use glam::Vec3;
@@ -59,7 +60,7 @@ pub fn radiance<'a>(
     points: &Points,
     workspace: &mut Workspace<'a>,
 ) -> Vec3 {
-    let Some(surface) = scene.hit(ray) else { return scene.environment.radiance(ray.direction) };
+    let Some(surface) = scene.hit(ray) else { return scene.light_along(ray) };
     let path = Path { scene, settings, points: *points, carried: Rgb };
     let split = settings.split as usize;
     let lighting = lighting.filter(|lighting| lighting.may_help_at(surface.point));
@@ -89,7 +90,7 @@ pub fn spectral_radiance<'a>(
 ) -> Vec3 {
     let path = Path { scene, settings, points: *points, carried: wavelengths };
     let Some(surface) = scene.hit(ray) else {
-        return wavelengths.colour(wavelengths.light(scene.environment.radiance(ray.direction)));
+        return wavelengths.colour(wavelengths.light(scene.light_along(ray)));
     };
     let first = path.branch(0, settings.split as usize).ask_for_light(0);
     let Some(frame) = look(&surface, ray, &mut workspace.scattering) else { return Vec3::NAN };
@@ -140,8 +141,54 @@ impl<'a, C: Carried> Path<'_, 'a, C> {
         })
     }
 
-    /// Light that a sample of the environment brings to a surface, the first, or one that comes later, with the numbers that were asked for.
+    /// Light that samples of it bring to a surface, the first, or one that comes later, with the numbers that were asked for.
     fn light_at(
+        &self,
+        frame: &Frame,
+        own: &C::Surface,
+        scattering: &Scattering<'a>,
+        surface: u32,
+        asked: Option<LightPlace>,
+    ) -> C::Value {
+        let around = self.light_around(frame, own, scattering, surface, asked);
+        match &self.scene.bulb {
+            None => around,
+            Some(bulb) => around + self.light_of(bulb, frame, own, scattering, surface),
+        }
+    }
+
+    /// Light of the bulb.
+    fn light_of(
+        &self,
+        bulb: &Bulb,
+        frame: &Frame,
+        own: &C::Surface,
+        scattering: &Scattering<'a>,
+        surface: u32,
+    ) -> C::Value {
+        if self.settings.light == Light::Off {
+            return C::BLACK;
+        }
+        let [u, v, ..] = self.points.draw(Decision::Bulb, surface);
+        // From where a ray that was drawn towards it starts.
+        let from = frame.ray(bulb.ball.centre - frame.point).origin;
+        let Some(sample) = bulb.sample(from, [u, v]).filter(|sample| frame.leaves(sample.direction)) else {
+            return C::BLACK;
+        };
+        let (value, pdf) = scattering.evaluate_and_pdf(frame.to_local(sample.direction));
+        let weight = match self.settings.light {
+            Light::Only => 1.0,
+            _ => power_heuristic(1.0, sample.pdf, 1.0, pdf),
+        };
+        let radiance = self.carried.light(bulb.radiance);
+        let contribution = self.carried.scattered(own, value) * radiance * (weight / sample.pdf);
+        let ray = Ray { origin: from, direction: sample.direction };
+        let is_seen = contribution != C::BLACK && self.scene.is_clear_to(&ray, sample.distance);
+        if is_seen { contribution } else { C::BLACK }
+    }
+
+    /// Light from round the scene.
+    fn light_around(
         &self,
         frame: &Frame,
         own: &C::Surface,
@@ -257,19 +304,29 @@ impl<'a, C: Carried> Path<'_, 'a, C> {
                 // The sampler may have a part of the cosine, which is no candidate.
                 let pdf =
                     if scattering.draws_lobes_alone() { sample.pdf } else { lobes.pdf(sample.direction) };
-                Rival::Candidates(pdf)
+                Rival::Candidates { of_lobes: pdf, of_material: sample.pdf }
             }
             _ => Rival::Sample(sample.pdf),
         }
     }
 
-    /// The environment where a direction drawn from a material finds it, times its weight.
-    fn found(&self, direction: Vec3, rival: Rival) -> C::Value {
-        let (radiance, pdf) = self.scene.environment.radiance_and_pdf(direction);
+    /// The light where a ray drawn from a material finds it, times its weight.
+    fn found(&self, ray: &Ray, rival: Rival) -> C::Value {
+        if let Some(bulb) = self.scene.bulb_along(ray) {
+            let weight = match (self.settings.light, rival) {
+                (Light::Off, _) => 1.0,
+                (Light::Only, _) => 0.0,
+                (_, Rival::Candidates { of_material, .. } | Rival::Sample(of_material)) => {
+                    power_heuristic(1.0, of_material, 1.0, bulb.pdf(ray.origin))
+                }
+            };
+            return self.carried.light(bulb.radiance) * weight;
+        }
+        let (radiance, pdf) = self.scene.environment.radiance_and_pdf(ray.direction);
         let weight = match (self.settings.light, rival) {
             (Light::Off, _) => 1.0,
             (Light::Only, _) => 0.0,
-            (_, Rival::Candidates(of_lobes)) => PRODUCT.ray_weight(of_lobes, pdf),
+            (_, Rival::Candidates { of_lobes, .. }) => PRODUCT.ray_weight(of_lobes, pdf),
             (_, Rival::Sample(of_material)) => power_heuristic(1.0, of_material, 1.0, pdf),
         };
         self.carried.light(radiance) * weight
@@ -291,7 +348,7 @@ impl<'a, C: Carried> Path<'_, 'a, C> {
         let ray = first.ray(direction);
         let weight = self.carried.scattered(own, sample.weight);
         match self.scene.hit(&ray) {
-            None => weight * self.found(ray.direction, rival),
+            None => weight * self.found(&ray, rival),
             Some(surface) => self.onward(surface, ray, weight, scattering),
         }
     }
@@ -329,7 +386,7 @@ impl<'a, C: Carried> Path<'_, 'a, C> {
             ray = frame.ray(direction);
             match self.scene.hit(&ray) {
                 None => {
-                    light += throughput * self.found(ray.direction, rival);
+                    light += throughput * self.found(&ray, rival);
                     break;
                 }
                 Some(next) => surface = next,
@@ -344,6 +401,6 @@ impl<'a, C: Carried> Path<'_, 'a, C> {
 enum Rival {
     /// One sample of the light.
     Sample(f32),
-    /// Candidates of lobes and light; the density of the lobes.
-    Candidates(f32),
+    /// Candidates of lobes and light; the density of the lobes, and that of the direction as it was drawn.
+    Candidates { of_lobes: f32, of_material: f32 },
 }

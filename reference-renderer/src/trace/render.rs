@@ -41,7 +41,10 @@ pub fn add_samples<'a>(
 ) -> anyhow::Result<Duration> {
     let mut time = Duration::ZERO;
     let (from, to) = (film.samples, film.samples + samples);
-    let is_together = settings.light == Light::Even && scene.environment.constant_radiance().is_none();
+    // Even sums are of the light round the scene; beside a bulb each is sampled by itself.
+    let is_together = settings.light == Light::Even
+        && scene.environment.constant_radiance().is_none()
+        && scene.bulb.is_none();
     let at_once = if is_together { Lighting::samples(settings) } else { u32::MAX };
     let mut lost = Lost::default();
     let mut held = from;
@@ -113,7 +116,7 @@ pub fn add_samples_by_waves(
     progress: &Progress,
 ) -> anyhow::Result<Duration> {
     let is_fit = matches!(settings.light, Light::Mis | Light::Only | Light::Off) && settings.split == 1;
-    if !is_fit || scene.shaders().any(|shader| shader.own_lobes().is_none()) {
+    if !is_fit || scene.bulb.is_some() || scene.shaders().any(|shader| shader.own_lobes().is_none()) {
         anyhow::bail!(
             "waves: materials of lobes, sampled by these alone or with one sample of the light, are expected: --sampler mis or lobes"
         );

@@ -4,12 +4,15 @@
 
 use crate::shade::shader::Shader;
 use crate::trace::camera::Camera;
+use crate::world::ball::Ball;
+use crate::world::bulb::Bulb;
 use crate::world::environment::Environment;
 use crate::world::intersect::TriangleTree;
 use crate::world::mesh::Mesh;
 use crate::world::ray::Ray;
 use crate::world::teapot;
 use glam::{Vec2, Vec3, vec3};
+use std::f32::consts::TAU;
 
 /// Quadrilaterals along each side of a patch of the teapot: at 24 the outline shows no corners in 4096 pixels.
 const TEAPOT_STEPS: u32 = 24;
@@ -31,6 +34,18 @@ const ROOM: Vec3 = vec3(5.0, 4.0, 6.0);
 const ROOM_OBJECT: (f32, Vec3) = (0.85, vec3(-1.4, 0.6, 0.0));
 const ROOM_BALL: Ball = Ball { centre: vec3(2.9, -1.2, 1.25), radius: 1.25 };
 
+/// The lamp: its foot on the ground, the shade, the bulb in it, and the wall behind.
+const LAMP_FOOT: Ball = Ball { centre: vec3(0.0, 0.0, 0.5), radius: 0.5 };
+const SHADE: Cylinder = Cylinder { radius: 0.85, low: 1.15, high: 2.6 };
+const BULB: Bulb =
+    Bulb { ball: Ball { centre: vec3(0.0, 0.0, 1.85), radius: 0.4 }, radiance: vec3(12.0, 9.0, 5.4) };
+const LAMP_WALL: f32 = 1.6;
+
+/// The room with a window: half its width and depth, its height; the window in the wall at -x, its least and its largest y and z; the ball.
+const CHAMBER: Vec3 = vec3(3.0, 3.0, 3.0);
+const WINDOW: [[f32; 2]; 2] = [[-1.6, 0.6], [2.2, 2.6]];
+const CHAMBER_BALL: Ball = Ball { centre: vec3(-0.9, 1.3, 0.6), radius: 0.6 };
+
 /// Which scene.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, clap::ValueEnum)]
 pub enum SceneName {
@@ -44,6 +59,10 @@ pub enum SceneName {
     Furnace,
     /// Teapot and ball in a room of a floor and three walls, open to the light above and in front.
     Room,
+    /// A bulb in a shade that is a sheet, before a wall.
+    LampShade,
+    /// A room whose window is covered by a sheet, under the light outside.
+    Window,
 }
 
 /// The role of a part of a scene, by which it has its material.
@@ -102,6 +121,8 @@ impl SceneName {
             Self::Statue => "statue",
             Self::Furnace => "furnace",
             Self::Room => "room",
+            Self::LampShade => "lamp-shade",
+            Self::Window => "window",
         }
     }
 
@@ -113,6 +134,8 @@ impl SceneName {
             Self::Teapot => at(vec3(3.6, -9.6, 5.2), vec3(0.15, 0.0, 1.25), 27.0),
             Self::Statue => at(vec3(2.4, -9.6, 3.6), vec3(0.0, 0.0, 1.6), 25.0),
             Self::Room => at(vec3(0.5, -13.5, 4.2), vec3(0.1, 0.0, 2.4), 36.0),
+            Self::LampShade => at(vec3(2.2, -8.0, 2.6), vec3(0.0, 0.4, 1.75), 32.0),
+            Self::Window => at(vec3(2.8, -2.7, 1.6), vec3(-1.8, 1.6, 0.9), 62.0),
         }
     }
 
@@ -126,11 +149,32 @@ impl SceneName {
         matches!(self, Self::Sphere | Self::Furnace)
     }
 
+    /// Whether its object is a sheet.
+    pub fn has_sheet(self) -> bool {
+        matches!(self, Self::LampShade | Self::Window)
+    }
+
+    /// Whether a mesh may be its object.
+    pub fn takes_mesh(self) -> bool {
+        matches!(self, Self::Teapot | Self::Statue | Self::Room)
+    }
+
+    /// The light that it has by itself. Through a sheet no sample finds the sharp sun of `sky`, seen from a wall.
+    pub fn light(self) -> &'static str {
+        match self {
+            Self::Furnace => "constant:1",
+            Self::LampShade => "constant:0.03",
+            Self::Window => "haze",
+            Self::Sphere | Self::Teapot | Self::Statue | Self::Room => "sky",
+        }
+    }
+
     /// The parts that it has.
     pub fn roles(self) -> &'static [Role] {
         match self {
             Self::Sphere | Self::Furnace => &[Role::Object],
             Self::Teapot | Self::Statue => &[Role::Object, Role::Ground],
+            Self::LampShade | Self::Window => &[Role::Object, Role::Ground, Role::Ball],
             Self::Room => &[Role::Object, Role::Ground, Role::Ball, Role::Left, Role::Right],
         }
     }
@@ -182,29 +226,90 @@ impl SceneName {
                 shapes.add(wall((-x, front), (-x, back)), Role::Left);
                 shapes.add(wall((x, back), (x, front)), Role::Right);
             }
+            Self::LampShade => {
+                shapes.add(SHADE.mesh(), Role::Object);
+                shapes.ball = Some((LAMP_FOOT, Role::Ball));
+                shapes.bulb = Some(BULB);
+                shapes.add(Mesh::square(GROUND_HALF_SIDE, GROUND_HEIGHT), Role::Ground);
+                let far = GROUND_HALF_SIDE;
+                shapes.add(upright([-far, LAMP_WALL], [far, LAMP_WALL], [GROUND_HEIGHT, far]), Role::Ground);
+            }
+            Self::Window => {
+                shapes.ball = Some((CHAMBER_BALL, Role::Ball));
+                let Vec3 { x, y, z: high } = CHAMBER;
+                let [[left, sill], [right, lintel]] = WINDOW;
+                let [from, to] = [[-x, left], [-x, right]];
+                // Its front is outside.
+                shapes.add(upright(to, from, [sill, lintel]), Role::Object);
+                let low = GROUND_HEIGHT;
+                let level = |z: f32| {
+                    Mesh::quadrilateral([(-x, -y), (x, -y), (x, y), (-x, y)].map(|(x, y)| vec3(x, y, z)))
+                };
+                let [a, b, c, d] = [[-x, -y], [x, -y], [x, y], [-x, y]];
+                for part in [
+                    level(low),
+                    level(high),
+                    upright(a, b, [low, high]),
+                    upright(b, c, [low, high]),
+                    upright(c, d, [low, high]),
+                    // Round the window.
+                    upright(d, to, [low, high]),
+                    upright(from, a, [low, high]),
+                    upright(to, from, [low, sill]),
+                    upright(to, from, [lintel, high]),
+                ] {
+                    shapes.add(part, Role::Ground);
+                }
+            }
         }
         shapes
     }
 }
 
-/// A ball.
-#[derive(Clone, Copy, Debug)]
-pub struct Ball {
-    pub centre: Vec3,
-    pub radius: f32,
+/// A wall that stands on a line, between two heights; its front is on the right of one who walks along the line.
+fn upright(from: [f32; 2], to: [f32; 2], [low, high]: [f32; 2]) -> Mesh {
+    let corner = |[x, y]: [f32; 2], z: f32| vec3(x, y, z);
+    Mesh::quadrilateral([corner(from, low), corner(to, low), corner(to, high), corner(from, high)])
+}
+
+/// An upright cylinder about the vertical, open above and below.
+struct Cylinder {
+    radius: f32,
+    low: f32,
+    high: f32,
+}
+
+impl Cylinder {
+    /// Its surface, whose front is outside.
+    fn mesh(&self) -> Mesh {
+        let sides = 96;
+        let mut mesh = Mesh::default();
+        for i in 0..sides {
+            let (sin, cos) = (TAU * i as f32 / sides as f32).sin_cos();
+            for z in [self.low, self.high] {
+                mesh.positions.push(vec3(self.radius * cos, self.radius * sin, z));
+                mesh.normals.push(vec3(cos, sin, 0.0));
+            }
+            let [a, b] = [2 * i, 2 * ((i + 1) % sides)];
+            mesh.triangles.extend([[a, b, b + 1], [a, b + 1, a + 1]]);
+        }
+        mesh
+    }
 }
 
 /// The shapes of a scene, each with its role.
 #[derive(Default)]
 pub struct Shapes {
     pub ball: Option<(Ball, Role)>,
+    pub bulb: Option<Bulb>,
     pub mesh: Mesh,
     /// The triangle that a part begins with, and its role.
     parts: Vec<(usize, Role)>,
 }
 
 impl Shapes {
-    fn add(&mut self, mesh: Mesh, role: Role) {
+    /// Adds a part.
+    pub fn add(&mut self, mesh: Mesh, role: Role) {
         self.parts.push((self.mesh.triangles.len(), role));
         self.mesh.append(&mesh);
     }
@@ -218,9 +323,11 @@ pub struct Scene<'a> {
     /// The triangle that a part begins with, and its material.
     parts: Vec<(usize, Shader<'a>)>,
     object: Shader<'a>,
+    /// The light among the surfaces.
+    pub bulb: Option<Bulb>,
     /// Cosine and sine of the turn of the samples about their normals.
     turn: Vec2,
-    /// The light.
+    /// The light round them.
     pub environment: &'a Environment,
 }
 
@@ -255,8 +362,9 @@ impl<'a> Scene<'a> {
         material: impl Fn(Role) -> Shader<'a>,
         environment: &'a Environment,
     ) -> Self {
-        let Shapes { ball, mesh, parts } = shapes;
+        let Shapes { ball, bulb, mesh, parts } = shapes;
         Self {
+            bulb,
             ball: ball.map(|(ball, role)| (ball, material(role))),
             tree: TriangleTree::new(&mesh),
             mesh,
@@ -273,11 +381,13 @@ impl<'a> Scene<'a> {
         Self { turn: Vec2::from_angle(degrees.to_radians()), ..self }
     }
 
-    /// The nearest surface along a ray.
+    /// The nearest surface along a ray; `None` where a bulb is nearer than all.
     pub fn hit(&self, ray: &Ray) -> Option<Surface<'_, 'a>> {
         let at = |distance: f32| ray.origin + ray.direction * distance;
+        let bulb = self.bulb.as_ref().and_then(|bulb| bulb.ball.hit(ray)).unwrap_or(f32::INFINITY);
         let ball = self.ball.as_ref().and_then(|(ball, shader)| Some((ball.hit(ray)?, ball, shader)));
-        if let Some(hit) = self.tree.nearest(ray, ball.map_or(f32::INFINITY, |found| found.0)) {
+        let ball = ball.filter(|found| found.0 < bulb);
+        if let Some(hit) = self.tree.nearest(ray, ball.map_or(bulb, |found| found.0)) {
             let point = at(hit.distance);
             let (flat, smooth) = self.mesh.normals_at(hit.triangle, point);
             let part = self.parts.iter().rfind(|part| part.0 <= hit.triangle)?;
@@ -292,7 +402,29 @@ impl<'a> Scene<'a> {
 
     /// Whether a ray meets nothing.
     pub fn is_clear(&self, ray: &Ray) -> bool {
-        self.ball.as_ref().is_none_or(|(ball, _)| ball.hit(ray).is_none()) && self.tree.is_clear(ray)
+        self.bulb_along(ray).is_none()
+            && self.ball.as_ref().is_none_or(|(ball, _)| ball.hit(ray).is_none())
+            && self.tree.is_clear(ray)
+    }
+
+    /// Whether a ray meets no surface nearer than that.
+    pub fn is_clear_to(&self, ray: &Ray, distance: f32) -> bool {
+        let ball = self.ball.as_ref().and_then(|(ball, _)| ball.hit(ray));
+        ball.is_none_or(|ball| ball >= distance) && self.tree.nearest(ray, distance).is_none()
+    }
+
+    /// The bulb, if a ray that meets no surface before meets it.
+    #[inline]
+    pub fn bulb_along(&self, ray: &Ray) -> Option<&Bulb> {
+        self.bulb.as_ref().filter(|bulb| bulb.ball.hit(ray).is_some())
+    }
+
+    /// The radiance along a ray that meets no surface: from the bulb, or from round the scene.
+    pub fn light_along(&self, ray: &Ray) -> Vec3 {
+        match self.bulb_along(ray) {
+            Some(bulb) => bulb.radiance,
+            None => self.environment.radiance(ray.direction),
+        }
     }
 
     /// The materials of all parts.
@@ -317,7 +449,7 @@ impl<'a> Scene<'a> {
             }
         }
         let tree = TriangleTree::new(&mesh);
-        Self { ball: None, tree, mesh, parts, object: materials[0], turn: Vec2::X, environment }
+        Self { ball: None, bulb: None, tree, mesh, parts, object: materials[0], turn: Vec2::X, environment }
     }
 
     /// The object's material.
@@ -326,40 +458,9 @@ impl<'a> Scene<'a> {
     }
 }
 
-impl Ball {
-    /// Distance at which a ray from outside enters it.
-    fn hit(&self, ray: &Ray) -> Option<f32> {
-        let origin = (ray.origin - self.centre) / self.radius;
-        unit_sphere(&Ray { origin, direction: ray.direction }).map(|distance| distance * self.radius)
-    }
-}
-
-/// Distance at which a ray from outside enters the unit sphere.
-fn unit_sphere(ray: &Ray) -> Option<f32> {
-    let along = ray.origin.dot(ray.direction);
-    // The discriminant by the point nearest to the centre: `along^2 - |o|^2 + 1` would cancel far away.
-    let nearest = ray.origin - ray.direction * along;
-    let half_chord_squared = 1.0 - nearest.length_squared();
-    if half_chord_squared < 0.0 {
-        return None;
-    }
-    let distance = -along - half_chord_squared.sqrt();
-    (distance > 0.0).then_some(distance)
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    #[test]
-    fn sphere_is_met_from_outside_only() {
-        let ray = |origin, direction| Ray { origin, direction };
-        assert_eq!(unit_sphere(&ray(vec3(0.0, 0.0, 3.0), Vec3::NEG_Z)), Some(2.0));
-        assert_eq!(unit_sphere(&ray(vec3(0.0, 0.0, 3.0), Vec3::Z)), None);
-        assert_eq!(unit_sphere(&ray(vec3(1.1, 0.0, 3.0), Vec3::NEG_Z)), None);
-        let ball = Ball { centre: vec3(5.0, 0.0, 1.0), radius: 2.0 };
-        assert_eq!(ball.hit(&ray(vec3(5.0, 0.0, 7.0), Vec3::NEG_Z)), Some(4.0));
-    }
 
     #[test]
     fn every_part_of_a_scene_is_seen_with_its_own_material() {

@@ -143,6 +143,76 @@ fn scenes_load_what_they_use_and_say_what_they_left_out() {
     refused(&["--env-map", "cube"], &["--env-map", "angular"]);
 }
 
+/// A lamp and a window show a sheet; a material where a sheet is expected is refused, and the other way round.
+#[test]
+fn scenes_of_sheets_take_a_sheet_alone() {
+    let place = folder("sheets-rendered");
+    let presets = concat!(env!("CARGO_MANIFEST_DIR"), "/presets");
+    let [sheet, material] =
+        ["sheets/ground_glass.srbf", "cayman.srbf"].map(|file| format!("{presets}/{file}"));
+    for scene in ["lamp-shade", "window"] {
+        for sampler in ["even", "mis", "product", "light", "lobes", "lobes-multi"] {
+            let call = ["render", "--scene", scene, "--material", &sheet, "--sampler", sampler];
+            let output =
+                srbf(&place, &[&call[..], &["--size", "12x8", "--spp", "16", "-o", "a.exr"]].concat());
+            let text = String::from_utf8_lossy(&output.stdout);
+            assert!(output.status.success(), "{sampler}: {}", String::from_utf8_lossy(&output.stderr));
+            assert!(
+                text.contains("object: rendered is ground_glass, a sheet, lobes: ")
+                    && text.contains("sampled by its lobes on both sides"),
+                "{sampler}: {text}"
+            );
+            assert!(text.contains("ball: rendered is krylon_blue"), "{text}");
+        }
+    }
+    let own = [
+        "render",
+        "--scene",
+        "window",
+        "--size",
+        "8x8",
+        "--spp",
+        "4",
+        "--spectral",
+        "--explain",
+        "-o",
+        "a.exr",
+    ];
+    let output = srbf(&place, &own);
+    let text = String::from_utf8_lossy(&output.stdout);
+    assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+    assert!(
+        text.contains("ground_glass, a sheet") && text.contains("smooth spectra of ground_glass"),
+        "{text}"
+    );
+
+    let refused = |arguments: &[&str], says: &[&str]| {
+        refused(&place, &[&["render", "-o", "b.exr"], arguments].concat(), says);
+    };
+    for scene in ["lamp-shade", "window"] {
+        refused(
+            &["--scene", scene, "--material", &material],
+            &[scene, "cayman", "a material where a sheet is expected"],
+        );
+        refused(
+            &["--scene", scene, "--material", "cayman"],
+            &[scene, "cayman", "a .srbf file of a sheet is expected"],
+        );
+        refused(&["--scene", scene, "--material", "absent.srbf"], &["absent.srbf"]);
+        refused(&["--scene", scene, "--mesh", "step.obj"], &["--mesh", "teapot"]);
+        refused(&["--scene", scene, "--sampler", "ggx"], &["ggx", "its own lobes", "mis"]);
+        refused(&["--scene", scene, "--lobes", "cayman"], &["--lobes", "table"]);
+        refused(&["--scene", scene, "--wavefront", "--sampler", "mis"], &["waves", "materials of lobes"]);
+    }
+    for scene in ["sphere", "teapot", "furnace", "room"] {
+        refused(
+            &["--scene", scene, "--material", &sheet],
+            &[scene, "window", "where one material is expected"],
+        );
+    }
+    refused(&["--scene", "teapot", "--ground-material", &sheet], &["where one material is expected"]);
+}
+
 #[test]
 fn many_turns_of_the_light_are_drawn_as_one() {
     let place = folder("turns");

@@ -90,9 +90,9 @@ pub fn wave<'a>(
 
 /// The light where a path leaves the scene, times its throughput.
 fn escaped(scene: &Scene<'_>, settings: &RenderSettings, traveller: &Traveller) -> Vec3 {
-    let Some(pdf) = traveller.pdf else { return scene.environment.radiance(traveller.ray.direction) };
+    let Some(pdf) = traveller.pdf else { return scene.light_along(&traveller.ray) };
     let path = Path { scene, settings, points: traveller.points, carried: Rgb };
-    traveller.throughput * path.found(traveller.ray.direction, Rival::Sample(pdf))
+    traveller.throughput * path.found(&traveller.ray, Rival::Sample(pdf))
 }
 
 /// Finds the next surface of every path.
