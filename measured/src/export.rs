@@ -12,8 +12,7 @@ mod samples;
 mod window;
 
 use crate::FitError;
-use crate::read::turned_over;
-use crate::row::Row;
+use crate::row::{Row, turned_over};
 use crate::table::{Brdf, Density, Symmetry, Table, View, direction, evaluation_views};
 use srbf_core::Quarter;
 use std::f64::consts::{PI, TAU};

@@ -60,7 +60,6 @@ pub use chosen::ChosenWavelengths;
 pub use conventions::{Angles, Conventions, Mirror, Values};
 pub use intake::{Intake, LeftOut, Note};
 pub use reason::Reason;
-pub(crate) use sheet::turned_over;
 pub use sheet::{SheetSource, sheet_of};
 pub use spectra::{BandError, Spectra, SpectralErrors, SpectralSample};
 

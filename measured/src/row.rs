@@ -1,5 +1,6 @@
 //! One sample of a file, on its own, so that what looks at samples needs to know nothing of how they are read.
 
+use srbf_core::Quarter;
 use std::f64::consts::PI;
 
 /// Directions this close to the normal have no azimuth, radians.
@@ -59,4 +60,10 @@ pub(crate) fn thin(rows: &[Row], most: usize) -> Vec<&Row> {
     let kept =
         rows.iter().enumerate().filter(|(n, _)| rows.len() <= most || (golden * *n as f64).fract() < share);
     kept.map(|(_, row)| row).collect()
+}
+
+/// Directions of a sheet, towards the light and the viewer, as one of its quarters has them, both above the horizon; and back.
+pub(crate) fn turned_over(quarter: Quarter, [wi, wo]: [[f64; 3]; 2]) -> [[f64; 3]; 2] {
+    let of = |d: [f64; 3], is_behind: bool| if is_behind { [d[0], d[1], -d[2]] } else { d };
+    [of(wi, quarter.is_back() != quarter.is_transmission()), of(wo, quarter.is_back())]
 }

@@ -68,9 +68,9 @@ fn every_method_is_judged_by_what_it_has_seen_and_what_not() {
     let ours = Settings {
         lobes: 4,
         starts: 2,
-        steps: 20,
+        steps: 30,
         exchanges: 1,
-        views: Some(4),
+        views: Some(6),
         factors: FactorNodes::None,
         ..Settings::default()
     };

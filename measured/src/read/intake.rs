@@ -10,14 +10,13 @@ use super::conventions::{Conventions, Mirror, Values};
 use super::reason::Reason;
 use super::scatter;
 use super::sentinels::{Cells, Sentinels};
-use super::sheet::turned_over;
 use super::spectra::{Spectra, SpectralSamples};
 use super::wavelengths::Wavelengths;
 use crate::ReadError;
 use crate::isotropy::Isotropy;
 use crate::reciprocity::Reciprocity;
 use crate::reciprocity::pairs::Places;
-use crate::row::{Row, thin};
+use crate::row::{Row, thin, turned_over};
 use crate::table::{BLACK, Scattered};
 use std::collections::HashSet;
 

@@ -10,12 +10,6 @@ use crate::{FitError, ReadError};
 use srbf_core::Quarter;
 use std::path::{Path, PathBuf};
 
-/// Directions of a sheet, towards the light and the viewer, as one of its quarters has them, both above the horizon; and back.
-pub(crate) fn turned_over(quarter: Quarter, [wi, wo]: [[f64; 3]; 2]) -> [[f64; 3]; 2] {
-    let of = |d: [f64; 3], is_behind: bool| if is_behind { [d[0], d[1], -d[2]] } else { d };
-    [of(wi, quarter.is_back() != quarter.is_transmission()), of(wo, quarter.is_back())]
-}
-
 /// A sheet with all its quarters.
 pub struct SheetSource {
     /// The measurement of each, in the order of [`Quarter::ALL`]; `None`: black, not in the file, or the second transmission where both
@@ -90,11 +84,12 @@ fn of_samples(path: &Path, bytes: Vec<u8>, conventions: &Conventions) -> Result<
     let (name, sha256) = (name_of(path), sha256(&bytes));
     let (unpacked, format) = opened(path, &bytes)?;
     let content = unpacked.as_deref().unwrap_or(&bytes);
-    let mut missing = None;
+    let (mut missing, mut is_black) = (None, false);
     let mut found: [Option<Intake>; 4] = [const { None }; 4];
     for quarter in Quarter::ALL {
         match intake(path, content, format, &Conventions { quarter, ..*conventions }) {
-            Ok(intake) => found[quarter as usize] = Some(intake).filter(|intake| !intake.is_black),
+            Ok(intake) if intake.is_black => is_black = true,
+            Ok(intake) => found[quarter as usize] = Some(intake),
             Err(error @ FitError::Read { source: ReadError::NoSamples(_), .. }) => {
                 missing.get_or_insert(error);
             }
@@ -108,7 +103,7 @@ fn of_samples(path: &Path, bytes: Vec<u8>, conventions: &Conventions) -> Result<
                 "all quarters are black: no value is above 0, or above noise about 0".into(),
             ),
         };
-        return Err(missing.unwrap_or_else(black));
+        return Err(missing.filter(|_| !is_black).unwrap_or_else(black));
     }
     let [front, through, back, other_way] = found;
     let (through, other_way) = if through.is_some() { (through, other_way) } else { (other_way, None) };

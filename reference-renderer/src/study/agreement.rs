@@ -14,7 +14,7 @@ use crate::truth::stored::StoredMaterial;
 use crate::world::environment::Environment;
 use std::f64::consts::SQRT_2;
 
-const SIZE: [u32; 2] = [6, 6];
+const SIZE: [u32; 2] = [5, 5];
 
 /// Pictures of a method with seeds of their own, from which the error of its mean is told: so of Sobol points too.
 const REPEATS: u64 = 32;

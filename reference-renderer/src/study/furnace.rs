@@ -166,7 +166,7 @@ mod tests {
     fn every_sampler_renders_the_albedo() {
         let (lobes, table) = (lacquer(), model("model:ggx:alpha=0.3,f0=0.9/0.5/0.1,diffuse=0.05"));
         let environment = Environment::constant(1.7).unwrap();
-        let (size, camera) = ([16, 16], SceneName::Sphere.camera([16, 16]));
+        let (size, camera) = ([12, 12], SceneName::Sphere.camera([12, 12]));
         for truth in [Truth::Lobes(&lobes.material), Truth::Table(&table)] {
             let mut expected = None;
             // Warps come with files, and the random walk is biased.

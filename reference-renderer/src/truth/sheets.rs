@@ -2,7 +2,7 @@
 
 use crate::truth::stored::Bytes;
 use anyhow::{Context, ensure};
-use srbf_core::{Quarter, Sheet, read_file};
+use srbf_core::{FormatError, Quarter, Sheet, read_file};
 use std::borrow::Cow;
 use std::path::Path;
 
@@ -50,6 +50,21 @@ impl StoredSheet {
         let is_isotropic = quarters.into_iter().all(|material| material.is_isotropic());
         Ok(Self { name: name.to_owned(), is_isotropic, sheet })
     }
+}
+
+/// The sheet that a file of a fit holds; `None` for a material, for a quarter that is named, and for any other file.
+///
+/// # Errors
+/// Names a `.srbf` file that is damaged, or cannot be read.
+pub fn sheet_in(name: &Path) -> anyhow::Result<Option<Sheet<Vec<u8>>>> {
+    if !name.extension().is_some_and(|end| end.eq_ignore_ascii_case("srbf")) {
+        return Ok(None);
+    }
+    let read = || match Sheet::from_bytes(read_file(name)?) {
+        Err(FormatError::Kind { is_sheet: false }) => anyhow::Ok(None),
+        sheet => Ok(Some(sheet?)),
+    };
+    read().with_context(|| format!("fit {}", name.display()))
 }
 
 #[cfg(test)]

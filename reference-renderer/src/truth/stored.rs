@@ -1,7 +1,7 @@
 //! Materials by name: the embedded presets, a matte grey, and `.srbf` files.
 
 use anyhow::{Context, bail};
-use srbf_core::{FormatError, Line, Material, PlaneLobe, Quarter, Sheet, View, color_differences, read_file};
+use srbf_core::{Line, Material, PlaneLobe, Quarter, Sheet, View, color_differences, read_file};
 use std::borrow::Cow;
 use std::path::Path;
 
@@ -37,20 +37,6 @@ pub fn is_fit(name: &Path) -> bool {
     let text = name.to_string_lossy();
     let path = quarter_of(&text).map_or(name, |(path, _)| path);
     path.extension().is_some_and(|end| end.eq_ignore_ascii_case("srbf"))
-}
-
-/// The sheet that a file of a fit holds; `None` for a material, and for a quarter that is named.
-///
-/// # Errors
-/// A file that is damaged, or cannot be read.
-pub fn sheet_in(name: &Path) -> anyhow::Result<Option<Sheet<Vec<u8>>>> {
-    if !name.extension().is_some_and(|end| end.eq_ignore_ascii_case("srbf")) {
-        return Ok(None);
-    }
-    match Sheet::from_bytes(read_file(name)?) {
-        Err(FormatError::Kind { is_sheet: false }) => Ok(None),
-        sheet => Ok(Some(sheet.with_context(|| name.display().to_string())?)),
-    }
 }
 
 /// A material and its name.

@@ -28,7 +28,7 @@ fn said(place: &Path, words: &[&str]) -> String {
     String::from_utf8(output.stdout).unwrap()
 }
 
-/// Rows with viewers on one side, and lights on both: what is reflected and what comes through, `f` in 1/sr.
+/// Rows with viewers on one side, and lights on both: the values of reflection and of transmission, `f` in 1/sr.
 fn rows(text: &mut String, side: f64, reflected: f64, transmitted: f64) {
     for wo in [[0.0, 0.0, 1.0], [0.6, 0.0, 0.8], [0.96, 0.0, 0.28f64]] {
         for (light, f) in [(side, reflected), (-side, transmitted)] {
@@ -152,4 +152,46 @@ fn a_window_is_fitted_and_written_again() {
     assert!(written.contains("matrices of 145 x 145 patches"), "{written}");
     refused(&place, &["fit", "again.xml", "--cross-validate"], &["again.xml", "--cross-validate"]);
     refused(&place, &["convert", "small.srbf", "small.binary"], &["small.srbf"]);
+}
+
+#[test]
+fn materials_are_joined_and_packed() {
+    let place = folder("sheet-join");
+    let presets = Path::new(env!("CARGO_MANIFEST_DIR")).join("../presets");
+    for name in ["garnet_red", "krylon_blue"] {
+        std::fs::copy(presets.join(format!("{name}.srbf")), place.join(format!("{name}.srbf"))).unwrap();
+    }
+    let halves = ["--front-reflection", "garnet_red.srbf", "--front-transmission", "krylon_blue.srbf"];
+    let join = [&["join"], &halves[..], &["--symmetric", "-o", "both.srbf"]].concat();
+    let words = said(&place, &join);
+    assert!(words.contains("2 quarters") && words.contains("light on the front"), "{words}");
+    let bytes = |name: &str| std::fs::read(place.join(name)).unwrap();
+    let sheet = Sheet::from_bytes(bytes("both.srbf")).unwrap();
+    assert!(sheet.is_symmetric());
+    for quarter in [Quarter::FrontTransmission, Quarter::BackTransmission] {
+        assert_eq!(sheet.quarter(quarter).unwrap().bytes(), bytes("krylon_blue.srbf"));
+    }
+
+    let words = said(&place, &["pack", "both.srbf", "--cut", "-o", "packed.srbf"]);
+    assert!(words.contains("front-reflection:") && words.contains("a sheet of"), "{words}");
+    let packed = Sheet::from_bytes(bytes("packed.srbf")).unwrap();
+    assert!(packed.is_symmetric() && 2 * packed.bytes().len() < sheet.bytes().len());
+    for side in [1.0, -1.0] {
+        let (whole, found) = (shares(&sheet, side), shares(&packed, side));
+        assert!((0..2).all(|k| (found[k] / whole[k] - 1.0).abs() < 0.02), "{side}: {found:?}, {whole:?}");
+    }
+    // A quarter is a material to other commands; the plain form comes back.
+    said(&place, &["pack", "packed.srbf:front-transmission", "--bits", "32", "-o", "plain.srbf"]);
+    said(&place, &["pack", "packed.srbf", "--bits", "32", "-o", "sheet.srbf"]);
+    assert!(Sheet::from_bytes(bytes("sheet.srbf")).unwrap().bytes().len() > packed.bytes().len());
+
+    refused(&place, &["join", "-o", "none.srbf"], &["a quarter is expected"]);
+    let back = ["join", "--back-reflection", "garnet_red.srbf", "--symmetric", "-o", "none.srbf"];
+    refused(&place, &back, &["--symmetric", "--back-reflection"]);
+    refused(
+        &place,
+        &["join", "--front-reflection", "both.srbf", "-o", "none.srbf"],
+        &["both.srbf", "a sheet"],
+    );
+    assert!(!place.join("none.srbf").exists());
 }
