@@ -14,7 +14,9 @@ use crate::truth::stored::StoredMaterial;
 use crate::world::environment::Environment;
 use std::f64::consts::SQRT_2;
 
-const SIZE: [u32; 2] = [5, 5];
+/// Pixels along each side: for all methods, and for three of them.
+const SIDE: u32 = 5;
+const LARGER_SIDE: u32 = 6;
 
 /// Pictures of a method with seeds of their own, from which the error of its mean is told: so of Sobol points too.
 const REPEATS: u64 = 32;
@@ -26,12 +28,19 @@ const FALSE_DISCOVERIES: f64 = 0.01;
 /// Mean, and its variance, of a pixel's brightness.
 type Pixel = (f64, f64);
 
-fn pixels(scene: &Scene<'_>, strategy: Strategy, points: PointsName, first_seed: u64) -> Vec<Pixel> {
+fn pixels(
+    scene: &Scene<'_>,
+    side: u32,
+    strategy: Strategy,
+    points: PointsName,
+    first_seed: u64,
+) -> Vec<Pixel> {
+    let size = [side; 2];
     let split = if strategy.sampler.is_multi() { 4 } else { 1 };
-    let camera = SceneName::Sphere.camera(SIZE);
-    let mut sums = vec![(0.0, 0.0); (SIZE[0] * SIZE[1]) as usize];
+    let camera = SceneName::Sphere.camera(size);
+    let mut sums = vec![(0.0, 0.0); (side * side) as usize];
     for repeat in 0..REPEATS {
-        let mut film = Film::new(SIZE);
+        let mut film = Film::new(size);
         let settings = RenderSettings {
             light: strategy.light,
             split,
@@ -86,6 +95,7 @@ fn discoveries(mut tested: Vec<(f64, String)>) -> Vec<(f64, String)> {
 fn tested(
     what: &str,
     truth: Truth<'_>,
+    side: u32,
     is_tried: impl Fn(&SamplerName) -> bool,
     bias: impl Fn(Strategy, PointsName) -> f64,
 ) -> Vec<(f64, String)> {
@@ -99,7 +109,7 @@ fn tested(
             Shader { truth, sampler: &samplers[names.iter().position(|&other| other == name).unwrap()] };
         Scene::new(SceneName::Sphere, shader, shader, &light)
     };
-    let expected = pixels(&scene(SamplerName::Lobes), Strategy::MIS, PointsName::Random, 1000);
+    let expected = pixels(&scene(SamplerName::Lobes), side, Strategy::MIS, PointsName::Random, 1000);
     let alone = names.iter().map(|&name| Strategy::alone(name));
     let beside = names.iter().map(|&sampler| Strategy { sampler, light: Light::Mis });
     let methods = alone.chain(beside).chain([Strategy::PRODUCT, "light".parse().unwrap()]);
@@ -111,7 +121,7 @@ fn tested(
         let all_points = [PointsName::Random, PointsName::Sobol];
         for &points in &all_points[..1 + usize::from(is_both)] {
             let factor = bias(strategy, points);
-            let found = pixels(&scene(strategy.sampler), strategy, points, 1);
+            let found = pixels(&scene(strategy.sampler), side, strategy, points, 1);
             for (i, (&pixel, &expected)) in found.iter().zip(&expected).enumerate() {
                 let pixel = (pixel.0 * factor, pixel.1 * factor * factor);
                 let text =
@@ -132,8 +142,8 @@ fn is_unbiased(name: &SamplerName) -> bool {
 fn every_unbiased_method_converges_to_the_same_picture() {
     let lobes = StoredMaterial::load("garnet_red").unwrap();
     let table = model("model:ggx:alpha=0.3,f0=0.6/0.4/0.2,diffuse=0.1");
-    let mut tests = tested("garnet red", Truth::Lobes(&lobes.material), is_unbiased, |_, _| 1.0);
-    tests.extend(tested("ggx", Truth::Table(&table), is_unbiased, |_, _| 1.0));
+    let mut tests = tested("garnet red", Truth::Lobes(&lobes.material), SIDE, is_unbiased, |_, _| 1.0);
+    tests.extend(tested("ggx", Truth::Table(&table), SIDE, is_unbiased, |_, _| 1.0));
     let found = discoveries(tests);
     assert!(found.is_empty(), "{found:#?}");
 }
@@ -147,11 +157,11 @@ fn a_bias_of_one_percent_of_one_method_is_found() {
         let is_it = strategy == Strategy::MIS && points == PointsName::Sobol;
         if is_it { 1.01 } else { 1.0 }
     };
-    let found = discoveries(tested("ggx", Truth::Table(&table), is_quick, planted));
+    let found = discoveries(tested("ggx", Truth::Table(&table), LARGER_SIDE, is_quick, planted));
     let of_others = found.iter().filter(|test| !test.1.contains("mis, Sobol")).count();
     // In an eighth of the pixels and more. One in a hundred may be found by chance.
     assert!(
-        8 * found.len() > (SIZE[0] * SIZE[1]) as usize && of_others <= 1,
+        8 * found.len() > (LARGER_SIDE * LARGER_SIDE) as usize && of_others <= 1,
         "{of_others} of others: {found:#?}"
     );
 }
