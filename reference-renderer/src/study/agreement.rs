@@ -15,7 +15,7 @@ use crate::world::environment::Environment;
 use std::f64::consts::SQRT_2;
 
 /// Pixels along each side: for all methods, and for three of them.
-const SIDE: u32 = 5;
+const SIDE: u32 = 4;
 const LARGER_SIDE: u32 = 6;
 
 /// Pictures of a method with seeds of their own, from which the error of its mean is told: so of Sobol points too.
