@@ -179,7 +179,7 @@ impl Sheet {
             let mut pair = SheetMixture::<MAX_LOBES>::empty();
             for i in 0..shape.n {
                 self.sheet.prepare(Vec3::new(x[i], y[i], z[i]), &mut pair)?;
-                let found = pair.albedos().map(Vec3::to_array);
+                let found = pair.albedos().map(|rgb| rgb.to_array());
                 for c in 0..3 {
                     (reflected[c][i], transmitted[c][i]) = (found[0][c], found[1][c]);
                 }
