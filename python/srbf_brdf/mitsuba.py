@@ -182,8 +182,10 @@ def _traced_class(mi):
             self.theta, self.angles = Float(theta), len(theta)
             if not self.is_line:
                 self.azimuths = (views - 1) // max(self.angles - 1, 1)
-                step = float(a["azimuth"][2]) if self.azimuths > 1 else 2 * math.pi
-                self.turn_views = round(2 * math.pi / step)
+                # Views over a quarter of the turn have mirror images elsewhere.
+                self.has_mirrors = a["turns"] == 4
+                self.turn_views = a["turns"] * (self.azimuths - 1 if self.has_mirrors else self.azimuths)
+                self.axis = math.cos(a["axis"]), math.sin(a["axis"])
             self.nodes_shape = a["factors"].shape[:3]
             nodes = np.zeros((*self.nodes_shape, 4), np.float32)
             nodes[..., :3] = a["factors"]
@@ -232,17 +234,30 @@ def _traced_class(mi):
             if self.is_line:
                 place |= {"views": (before, after), "onward": blend}
                 return place
-            azimuth = dr.atan2(-sin, -cos)
+            # From the axis, and of the image in the first quarter where there are mirrors.
+            c = dr.fma(cos, self.axis[0], sin * self.axis[1])
+            s = dr.fma(sin, self.axis[0], -cos * self.axis[1])
+            image = Float(1)
+            if self.has_mirrors:
+                image = dr.select((c < 0) == (s < 0), Float(1), -1)
+                c, s = -dr.abs(c), -dr.abs(s)
+            azimuth = dr.atan2(-s, -c)
             at = dr.select(azimuth < 0, azimuth + 2 * dr.pi, azimuth) * (self.turn_views / (2 * math.pi))
             whole = dr.floor(at)
-            first = UInt32(whole) % self.azimuths
-            second = (UInt32(whole) + 1) % self.azimuths
+            if self.has_mirrors:
+                first = dr.minimum(UInt32(whole), self.azimuths - 1)
+                second = dr.minimum(first + 1, self.azimuths - 1)
+            else:
+                first = UInt32(whole) % self.azimuths
+                second = (UInt32(whole) + 1) % self.azimuths
             view = lambda ring, along: dr.select(ring > 0, 1 + (ring - 1) * self.azimuths + along, 0)
             place |= {
                 "views": (view(before, first), view(before, second), view(after, first), view(after, second)),
                 "onward": at - whole,
                 "outward": blend,
                 "is_normal": before == 0,
+                "along": (c, s),
+                "image": image,
             }
             return place
 
@@ -255,16 +270,18 @@ def _traced_class(mi):
                 tilt = None
             else:
                 # The squeeze matrix, of the normal's view turned into the plane of incidence; its eigenvectors are the frame.
-                outward = place["outward"]
+                outward, image = place["outward"], place["image"]
+                a, b = place["along"]
                 m = self._interpolated(place, 1, active)
                 turned = Vector3f(
-                    c * c * m.x + s * s * m.z + 2 * c * s * m.y,
-                    c * s * (m.z - m.x) + (c * c - s * s) * m.y,
-                    s * s * m.x + c * c * m.z - 2 * c * s * m.y,
+                    a * a * m.x + b * b * m.z + 2 * a * b * m.y,
+                    a * b * (m.z - m.x) + (a * a - b * b) * m.y,
+                    b * b * m.x + a * a * m.z - 2 * a * b * m.y,
                 )
                 m = dr.select(place["is_normal"], turned, Vector3f(m.x, m.y, m.z))
                 far = self._beyond(place, 1, active)
                 m = dr.lerp(m, Vector3f(far.x, far.y, far.z), outward)
+                m.y *= image
                 head = dr.lerp(head, self._beyond(place, 0, active), outward)
                 half, middle = 0.5 * (m.x - m.z), 0.5 * (m.x + m.z)
                 reach = dr.sqrt(dr.fma(half, half, m.y * m.y))
@@ -290,10 +307,11 @@ def _traced_class(mi):
                         axes += [Vector3f(sin_a * cos_o, sign * sin_o, dr.abs(cos_a * cos_o)) for sign in (1, -1)]
                 else:
                     turn = place["is_normal"]
-                    x = dr.select(turn, a.x * c + a.y * s, a.x)
-                    y = dr.select(turn, a.y * c - a.x * s, a.y)
+                    along, across = place["along"]
+                    x = dr.select(turn, a.x * along + a.y * across, a.x)
+                    y = dr.select(turn, a.y * along - a.x * across, a.y)
                     far, far_b = self._beyond(place, row, active), self._beyond(place, row + 1, active)
-                    x, y = dr.lerp(x, far.x, outward), dr.lerp(y, far.y, outward)
+                    x, y = dr.lerp(x, far.x, outward), dr.lerp(y, far.y, outward) * image
                     a, b = dr.lerp(a, far, outward), dr.lerp(b, far_b, outward)
                     angle = dr.sqrt(dr.fma(x, x, y * y))
                     sin_a, cos_a = dr.sincos(angle)

@@ -312,7 +312,8 @@ impl Material {
     /// `theta` and `azimuth` (V,) in radians; `log2_squeeze` (V,), or (V, 3) of an anisotropic material; `diffuse` (V, 3) and,
     /// of every lobe, `color` (V, K, 3): log2 of the luminance, `(R - Y) / Y`, `(B - Y) / Y`; `tilt` (V, K, 2): angles of the axis
     /// in the plane of incidence and out of it; `log2_sharpness` (V, K); `factors` of shape (azimuth, half, difference, 3) and
-    /// `albedo_difference` (V, 3), empty without factors. The first `squeezed` lobes are squeezed, the last `mirrored` stand for two.
+    /// `albedo_difference` (V, 3), empty without factors. Of an anisotropic material `turns` says how often a ring is repeated over the full turn,
+    /// 4 being mirror images, and `axis` where its azimuths begin, radians. The first `squeezed` lobes are squeezed, the last `mirrored` stand for two.
     fn arrays<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
         let m = &self.material;
         let (views, lobes) = (m.view_count(), m.view_lobe_count());
@@ -363,6 +364,10 @@ impl Material {
             (0..views).filter_map(|v| m.view_albedo_difference(v)).flatten().collect();
         let rows = differences.len() / 3;
         put("albedo_difference", differences, &[rows, 3])?;
+        if let Some((turns, axis)) = m.grid_turns() {
+            dict.set_item("turns", turns)?;
+            dict.set_item("axis", axis)?;
+        }
         dict.set_item("squeezed", m.squeezed_count())?;
         dict.set_item("mirrored", m.mirrored_count())?;
         Ok(dict)

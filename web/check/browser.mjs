@@ -66,6 +66,7 @@ export async function open(browser, url, { width = 1280, height = 900, scheme = 
     const until = async (expression, seconds = 60) => {
         const end = Date.now() + 1000 * seconds;
         while (!(await call(`Boolean(${expression})`))) {
+            if (errors.length > 0) throw new Error(errors.join("\n"));
             if (Date.now() > end) throw new Error(`not in ${seconds} s: ${expression}`);
             await new Promise((resolve) => setTimeout(resolve, 100));
         }

@@ -92,7 +92,7 @@ float bright_density(vec3 d) {
     return HAZE * exp(HAZE * (dot(d, SUN) - 1.0)) / (2.0 * PI);
 }
 
-vec3 turned(vec3 axis, vec3 d) {
+vec3 facing(vec3 axis, vec3 d) {
     vec3 right = normalize(vec3(axis.y, -axis.x, 0.0));
     return right * d.x + cross(right, axis) * d.y + axis * d.z;
 }
@@ -101,11 +101,11 @@ vec3 bright_draw(vec3 u) {
     if (light == 1) {
         bool is_key = u.z < KEY_SHARE;
         vec2 at = (2.0 * u.xy - 1.0) * (is_key ? KEY_SIZE : RIM_SIZE);
-        return turned(is_key ? KEY : RIM, normalize(vec3(at, 1.0)));
+        return facing(is_key ? KEY : RIM, normalize(vec3(at, 1.0)));
     }
     float c = light == 0 ? 1.0 - u.x * (1.0 - SUN_COSINE) : max(1.0 + log(max(1.0 - u.x, 1e-30)) / HAZE, -1.0);
     float s = sqrt(max(1.0 - c * c, 0.0));
-    return turned(SUN, vec3(s * cos(2.0 * PI * u.y), s * sin(2.0 * PI * u.y), c));
+    return facing(SUN, vec3(s * cos(2.0 * PI * u.y), s * sin(2.0 * PI * u.y), c));
 }
 `;
 
