@@ -21,7 +21,9 @@ pub use judge::report::Fit;
 #[doc(hidden)]
 pub use settings::range;
 pub use settings::{FactorNodes, Settings};
-pub use sheet::{Light, QuarterFit, SheetFit, fit_sheet, klems_of, klems_of_sheet, light_of_sheet, stored};
+pub use sheet::{
+    Light, QuarterFit, SheetFit, encoded, fit_sheet, joined, klems_of, klems_of_sheet, light_of_sheet, stored,
+};
 #[doc(hidden)]
 pub use srbf_measured::with_reasons;
 pub use srbf_measured::{FitError, ReadError};

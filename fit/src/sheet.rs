@@ -11,7 +11,7 @@ use crate::read::{Content, SheetSource};
 use crate::table::Symmetry;
 use crate::{FitError, Settings};
 use serde_json::{Value, json};
-use srbf_core::{MAX_LOBES, Material, Quarter, Sheet, SheetMixture, Vec3, luminance};
+use srbf_core::{FormatError, MAX_LOBES, Material, Quarter, Sheet, SheetMixture, Vec3, luminance, printable};
 
 /// Relative L2 distance of two quarters up to which the back is like the front.
 const LIKE: f64 = 0.01;
@@ -76,11 +76,11 @@ pub fn fit_sheet(
 ) -> Result<SheetFit, FitError> {
     let fit = fit_once(sheet, settings, &mut progress)?;
     let most = fit.sides.iter().flatten().map(|light| light.fit[0] + light.fit[1]).fold(0.0, f64::max);
-    if sheet.window.is_some() || most <= MOST {
-        return Ok(fit);
-    }
     let scale = 1.0 / most;
-    Ok(SheetFit { scale, ..fit_once(&sheet.dimmed(scale)?, settings, &mut progress)? })
+    match if most > MOST { sheet.dimmed(scale)? } else { None } {
+        Some(dimmed) => Ok(SheetFit { scale, ..fit_once(&dimmed, settings, &mut progress)? }),
+        None => Ok(fit),
+    }
 }
 
 fn fit_once(
@@ -88,13 +88,13 @@ fn fit_once(
     settings: &Settings,
     mut progress: impl FnMut(f64) + Send,
 ) -> Result<SheetFit, FitError> {
-    let window = sheet.window.as_ref();
+    let window = sheet.window();
     let is_symmetric = is_symmetric(sheet);
     let wanted = stored(sheet);
     let mut fits = Vec::new();
     for (n, quarter) in wanted.iter().enumerate() {
         let done = |share: f64| progress((n as f64 + share) / wanted.len() as f64);
-        let Some(source) = sheet.quarter(*quarter) else { continue };
+        let Some(source) = &sheet.quarters[*quarter as usize] else { continue };
         let is_round =
             matches!(&source.content, Content::Evaluable(brdf) if brdf.symmetry() == Symmetry::Isotropic);
         let is_default = settings.bytes == Settings::default().bytes;
@@ -106,11 +106,10 @@ fn fit_once(
         materials[*quarter as usize] = Some(Material::from_bytes(fit.bytes.as_slice())?);
     }
     let mut stored = materials.each_ref().map(Option::as_ref);
-    if sheet.is_one_way {
+    if sheet.is_one_way() {
         stored[Quarter::BackTransmission as usize] = stored[Quarter::FrontTransmission as usize];
     }
-    let mut bytes = vec![0; Sheet::encoded_len(stored, &settings.provenance)];
-    Sheet::encode(stored, is_symmetric, &settings.provenance, &mut bytes)?;
+    let bytes = encoded(stored, is_symmetric, &settings.provenance)?;
     let mut fitted: [Option<PatchMatrix>; 4] = [const { None }; 4];
     let data = |place: usize| window.and_then(|window| window.quarters[place].as_ref());
     for (place, fitted) in fitted.iter_mut().enumerate() {
@@ -134,6 +133,33 @@ fn fit_once(
     let quarters = fits.into_iter().map(of_quarter).collect();
     let scale = window.map_or(1.0, |window| window.scale);
     Ok(SheetFit { bytes, quarters, sides, is_symmetric, scale })
+}
+
+/// The bytes of a sheet of materials, in the order of [`Quarter::ALL`].
+///
+/// # Errors
+/// As [`Sheet::encode`].
+pub fn encoded<B: AsRef<[u8]>>(
+    quarters: [Option<&Material<B>>; 4],
+    is_symmetric: bool,
+    provenance: &str,
+) -> Result<Vec<u8>, FormatError> {
+    let mut bytes = vec![0; Sheet::encoded_len(quarters, provenance)];
+    Sheet::encode(quarters, is_symmetric, provenance, &mut bytes)?;
+    Ok(bytes)
+}
+
+/// The same with the first line of the provenance of each, which names its source.
+///
+/// # Errors
+/// As [`Sheet::encode`].
+pub fn joined<B: AsRef<[u8]>>(
+    quarters: [Option<&Material<B>>; 4],
+    is_symmetric: bool,
+) -> Result<Vec<u8>, FormatError> {
+    let sources = quarters.iter().flatten().filter_map(|material| material.provenance().lines().next());
+    let provenance = sources.fold(String::new(), |text, line| text + line + "\n");
+    encoded(quarters, is_symmetric, &provenance)
 }
 
 /// The quarters of a sheet that are fitted and stored: not those of a back that is like the front.
@@ -169,7 +195,7 @@ pub fn klems_of(material: &Material<impl AsRef<[u8]>>) -> Result<PatchMatrix, Fi
 
 /// Whether the back is like the front, as far as patches tell.
 fn is_symmetric(sheet: &SheetSource) -> bool {
-    let Some(window) = &sheet.window else { return false };
+    let Some(window) = sheet.window() else { return false };
     let is_like = |front: usize, back: usize| match (&window.quarters[front], &window.quarters[back]) {
         (Some(a), Some(b)) => a.outgoing == b.outgoing && a.incident == b.incident && a.distance(b) <= LIKE,
         (None, None) => true,
@@ -253,11 +279,11 @@ impl SheetFit {
             .iter()
             .map(|q| json!({"quarter": words(q.quarter), "relative_l2_of_patches": q.patches}));
         json!({
-            "name": sheet.window.as_ref().map_or_else(|| sheet.name.clone(), |w| srbf_core::printable(&w.name).to_string()),
+            "name": sheet.window().map_or_else(|| sheet.name.clone(), |w| printable(&w.name).to_string()),
             "bytes": self.bytes.len(),
             "back_is_like_front": self.is_symmetric,
-            "transmission_of_both_sides_differs_by": sheet.window.as_ref().and_then(|w| w.disagreement),
-            "transmissions_are_one_measurement": sheet.is_one_way,
+            "transmission_of_both_sides_differs_by": sheet.window().and_then(|w| w.disagreement),
+            "transmissions_are_one_measurement": sheet.is_one_way(),
             "values_were_scaled_by": self.scale,
             "light_on_front": side(&self.sides[0]),
             "light_on_back": side(&self.sides[1]),

@@ -52,7 +52,7 @@ pub enum ReadError {
         expected: String,
     },
     /// No row is a sample; the text says why.
-    #[error("no samples{}", printable(.0))]
+    #[error("{}", printable(.0))]
     NoSamples(String),
     /// Something other than a number is wrong; the text says what and where.
     #[error("{}", printable(.0))]

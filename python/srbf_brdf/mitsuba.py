@@ -41,10 +41,8 @@ def register(name: str = "srbf") -> None:
 
     def make(props):
         path = _path(props)
-        with open(path, "rb") as file:
-            data = file.read()
         try:
-            sheet = Sheet.from_bytes(data)
+            sheet = Sheet.load(path)
         except ValueError:
             return of_material(props, Material.load(path))
         return of_sheet(props, sheet)

@@ -18,7 +18,14 @@ use srbf_fit::table::evaluation_views;
 use std::path::{Path, PathBuf};
 
 /// Most bytes of a file that is read as a material.
-pub const MAX_FILE: u64 = 1 << 26;
+const MAX_FILE: u64 = 1 << 26;
+
+/// What is made of the bytes of a file.
+pub fn loaded<T>(path: &Path, make: impl Fn(Vec<u8>) -> Result<T, srbf_core::FormatError>) -> PyResult<T> {
+    let bytes = srbf_fit::read_at_most(path, MAX_FILE).map_err(|e| error::io(path, &e))?;
+    let fault = |e| PyValueError::new_err(format!("{}: {e}", printable(&path.to_string_lossy())));
+    make(bytes).map_err(fault)
+}
 
 /// A BRDF as lobes: a few kilobytes that are evaluated, integrated and sampled.
 ///
@@ -51,9 +58,7 @@ impl Material {
     /// Reads a `.srbf` file.
     #[staticmethod]
     fn load(path: PathBuf) -> PyResult<Self> {
-        let bytes = srbf_fit::read_at_most(&path, MAX_FILE).map_err(|e| error::io(&path, &e))?;
-        let fault = |e| PyValueError::new_err(format!("{}: {e}", printable(&path.to_string_lossy())));
-        Self::new(bytes).map_err(fault)
+        loaded(&path, Self::new)
     }
 
     /// Takes the bytes of a `.srbf` file.

@@ -2,7 +2,7 @@
 
 use crate::arrays::{Vectors, broadcast, room};
 use crate::error;
-use crate::material::{MAX_FILE, Material};
+use crate::material::{Material, loaded};
 use crate::table::Reduced;
 use crate::verbs;
 use pyo3::exceptions::PyValueError;
@@ -28,9 +28,7 @@ impl Sheet {
     /// Reads a `.srbf` file.
     #[staticmethod]
     fn load(path: PathBuf) -> PyResult<Self> {
-        let bytes = srbf_fit::read_at_most(&path, MAX_FILE).map_err(|e| error::io(&path, &e))?;
-        let fault = |e| PyValueError::new_err(format!("{}: {e}", printable(&path.to_string_lossy())));
-        Ok(Self { sheet: srbf_core::Sheet::from_bytes(bytes).map_err(fault)? })
+        Ok(Self { sheet: loaded(&path, srbf_core::Sheet::from_bytes)? })
     }
 
     /// Takes the bytes of a `.srbf` file.
@@ -51,11 +49,7 @@ impl Sheet {
     ) -> PyResult<Self> {
         let all = [&front_reflection, &front_transmission, &back_reflection, &back_transmission];
         let quarters = all.map(|own| own.as_ref().map(|own| &own.get().material));
-        let sources = quarters.iter().flatten().filter_map(|material| material.provenance().lines().next());
-        let provenance = sources.fold(String::new(), |text, line| text + line + "\n");
-        let mut bytes = vec![0; srbf_core::Sheet::encoded_len(quarters, &provenance)];
-        srbf_core::Sheet::encode(quarters, symmetric, &provenance, &mut bytes).map_err(error::value)?;
-        Self::from_bytes(bytes)
+        Self::from_bytes(srbf_fit::joined(quarters, symmetric).map_err(error::value)?)
     }
 
     /// The bytes of its `.srbf` file.

@@ -56,6 +56,25 @@ impl Drawn {
     }
 }
 
+/// Values and densities of pairs of directions, of which those are filled that are wanted.
+fn towards<'py>(
+    py: Python<'py>,
+    of: &impl Ask,
+    [wo, wi]: [&Bound<'py, PyAny>; 2],
+    [value, pdf]: [bool; 2],
+) -> PyResult<(Shape, [Vec<f32>; 3], Vec<f32>)> {
+    let (mut wo, mut wi) = (Vectors::directions(wo, "wo")?, Vectors::directions(wi, "wi")?);
+    let shape = broadcast([&mut wo, &mut wi], "wo and wi")?;
+    let (mut values, mut densities) = (room(shape.n), vec![0.0; shape.n]);
+    let towards = Towards {
+        wi: wi.slices(),
+        value: value.then(|| slices_mut(&mut values)),
+        pdf: pdf.then_some(&mut densities[..]),
+    };
+    py.detach(|| of.answer(wo.slices(), towards.into())).map_err(error::value)?;
+    Ok((shape, values, densities))
+}
+
 /// `f cos` of pairs of directions.
 pub fn evaluate<'py>(
     py: Python<'py>,
@@ -63,11 +82,7 @@ pub fn evaluate<'py>(
     wo: &Bound<'py, PyAny>,
     wi: &Bound<'py, PyAny>,
 ) -> PyResult<Bound<'py, PyAny>> {
-    let (mut wo, mut wi) = (Vectors::directions(wo, "wo")?, Vectors::directions(wi, "wi")?);
-    let shape = broadcast([&mut wo, &mut wi], "wo and wi")?;
-    let mut value = room(shape.n);
-    let towards = Towards { wi: wi.slices(), value: Some(slices_mut(&mut value)), pdf: None };
-    py.detach(|| of.answer(wo.slices(), towards.into())).map_err(error::value)?;
+    let (shape, value, _) = towards(py, of, [wo, wi], [true, false])?;
     shape.vectors(py, value)
 }
 
@@ -78,11 +93,7 @@ pub fn pdf<'py>(
     wo: &Bound<'py, PyAny>,
     wi: &Bound<'py, PyAny>,
 ) -> PyResult<Bound<'py, PyAny>> {
-    let (mut wo, mut wi) = (Vectors::directions(wo, "wo")?, Vectors::directions(wi, "wi")?);
-    let shape = broadcast([&mut wo, &mut wi], "wo and wi")?;
-    let mut pdf = vec![0.0; shape.n];
-    let towards = Towards { wi: wi.slices(), value: None, pdf: Some(&mut pdf) };
-    py.detach(|| of.answer(wo.slices(), towards.into())).map_err(error::value)?;
+    let (shape, _, pdf) = towards(py, of, [wo, wi], [false, true])?;
     shape.numbers(py, pdf)
 }
 
@@ -93,11 +104,7 @@ pub fn evaluate_and_pdf<'py>(
     wo: &Bound<'py, PyAny>,
     wi: &Bound<'py, PyAny>,
 ) -> PyResult<(Bound<'py, PyAny>, Bound<'py, PyAny>)> {
-    let (mut wo, mut wi) = (Vectors::directions(wo, "wo")?, Vectors::directions(wi, "wi")?);
-    let shape = broadcast([&mut wo, &mut wi], "wo and wi")?;
-    let (mut value, mut pdf) = (room(shape.n), vec![0.0; shape.n]);
-    let towards = Towards { wi: wi.slices(), value: Some(slices_mut(&mut value)), pdf: Some(&mut pdf) };
-    py.detach(|| of.answer(wo.slices(), towards.into())).map_err(error::value)?;
+    let (shape, value, pdf) = towards(py, of, [wo, wi], [true, true])?;
     Ok((shape.vectors(py, value)?, shape.numbers(py, pdf)?))
 }
 

@@ -11,7 +11,7 @@ use srbf_thesis::thesis;
 
 const FLAT: f64 = 0.2;
 
-/// Such a fit takes a tenth of a second; a machine may be busy.
+/// Such a fit takes a few seconds; a machine may be busy.
 const MOST_SECONDS: u64 = 60;
 
 fn direction(theta: f64, phi: f64) -> [f64; 3] {

@@ -251,14 +251,15 @@ impl Reading {
         self.intake.values = self.conventions.values.unwrap_or_default();
         if self.intake.rows.is_empty() && self.behind > 0 && self.behind == self.rows {
             return Err(ReadError::NoSamples(format!(
-                ": {}. In all of them it is the incident direction: either they are transmission, or do all incident directions \
+                "no samples: {}. In all of them it is the incident direction: either they are transmission, or do all incident directions \
                  point along the light? --incident along-light turns them",
                 self.intake.left_out_text()
             )));
         }
         if self.intake.rows.is_empty() {
             let left_out = self.intake.left_out_text();
-            let text = if left_out.is_empty() { left_out } else { format!(": {left_out}") };
+            let text =
+                if left_out.is_empty() { "no samples".into() } else { format!("no samples: {left_out}") };
             return Err(ReadError::NoSamples(text));
         }
         self.intake.spectra = self.spectra.take().and_then(|found| {

@@ -15,35 +15,42 @@ pub struct SheetSource {
     /// The measurement of each, in the order of [`Quarter::ALL`]; `None`: black, not in the file, or the second transmission where both
     /// are [one](Self::is_one_way).
     pub quarters: [Option<Source>; 4],
-    /// Whether both transmissions are one measurement, which is that seen from the front: of samples, whose completion is reciprocal.
-    pub is_one_way: bool,
-    /// The patches of a file of a window, whose values are means; `None` of samples.
-    pub window: Option<Window>,
     /// Name of the file, without its folder; printable.
     pub name: String,
     /// SHA-256 of the file, hexadecimal.
     pub sha256: String,
-    /// What samples are read from again.
-    file: PathBuf,
-    bytes: Vec<u8>,
-    conventions: Conventions,
+    origin: Origin,
+}
+
+enum Origin {
+    /// Patches, whose values are means.
+    Window(Window),
+    /// A file that is read again where its values have to be lower.
+    Samples { file: PathBuf, bytes: Vec<u8>, conventions: Conventions },
 }
 
 impl SheetSource {
-    /// The measurement of a quarter; `None` of one that is black.
-    pub fn quarter(&self, quarter: Quarter) -> Option<&Source> {
-        let is_other = self.is_one_way && quarter == Quarter::BackTransmission;
-        let quarter = if is_other { Quarter::FrontTransmission } else { quarter };
-        self.quarters[quarter as usize].as_ref()
+    /// The patches of a file of a window; `None` of samples.
+    pub fn window(&self) -> Option<&Window> {
+        match &self.origin {
+            Origin::Window(window) => Some(window),
+            Origin::Samples { .. } => None,
+        }
     }
 
-    /// Samples of this share of the values.
+    /// Whether both transmissions are one measurement, which is that seen from the front: of samples, whose completion is reciprocal.
+    pub fn is_one_way(&self) -> bool {
+        self.window().is_none()
+    }
+
+    /// Samples of this share of the values; `None` of a window, whose values are lowered when it is read.
     ///
     /// # Errors
     /// As [`sheet_of`].
-    pub fn dimmed(&self, share: f64) -> Result<Self, FitError> {
-        let conventions = Conventions { divide: self.conventions.divide / share, ..self.conventions };
-        of_samples(&self.file, self.bytes.clone(), &conventions)
+    pub fn dimmed(&self, share: f64) -> Result<Option<Self>, FitError> {
+        let Origin::Samples { file, bytes, conventions } = &self.origin else { return Ok(None) };
+        let conventions = Conventions { divide: conventions.divide / share, ..*conventions };
+        of_samples(file, bytes.clone(), &conventions).map(Some)
     }
 }
 
@@ -75,9 +82,7 @@ pub fn sheet_of(
         Some(Source::evaluable(Box::new(brdf), name.clone(), sha256.clone()))
     };
     let quarters = Quarter::ALL.map(source);
-    let (file, conventions) = (path.to_path_buf(), *conventions);
-    let (is_one_way, window) = (false, Some(window));
-    Ok(Some(SheetSource { quarters, is_one_way, window, name, sha256, file, bytes, conventions }))
+    Ok(Some(SheetSource { quarters, name, sha256, origin: Origin::Window(window) }))
 }
 
 fn of_samples(path: &Path, bytes: Vec<u8>, conventions: &Conventions) -> Result<SheetSource, FitError> {
@@ -112,6 +117,6 @@ fn of_samples(path: &Path, bytes: Vec<u8>, conventions: &Conventions) -> Result<
         intake.map(of).transpose()
     };
     let quarters = [source(front, None)?, source(through, other_way)?, source(back, None)?, None];
-    let (file, conventions) = (path.to_path_buf(), *conventions);
-    Ok(SheetSource { quarters, is_one_way: true, window: None, name, sha256, file, bytes, conventions })
+    let origin = Origin::Samples { file: path.to_path_buf(), bytes, conventions: *conventions };
+    Ok(SheetSource { quarters, name, sha256, origin })
 }

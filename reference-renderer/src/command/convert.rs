@@ -133,12 +133,13 @@ fn write_window(args: &Args) -> anyhow::Result<()> {
                 [Some(klems_of(&stored.material)?), None, None, None]
             }
         }
-    } else if let Some(window) = sheet_of(&args.input, &conventions, false)?.and_then(|sheet| sheet.window) {
-        let of = |quarter| {
-            let brdf = window.brdf(quarter)?;
-            Some(PatchMatrix::of(&basis, &basis, |wi, wo| brdf.evaluate(wi, wo)[0]))
-        };
-        Quarter::ALL.map(of)
+    } else if let Some(sheet) = sheet_of(&args.input, &conventions, false)? {
+        sheet.quarters.each_ref().map(|source| match &source.as_ref()?.content {
+            Content::Evaluable(brdf) => {
+                Some(PatchMatrix::of(&basis, &basis, |wi, wo| brdf.evaluate(wi, wo)[0]))
+            }
+            Content::Samples(_) => None,
+        })
     } else {
         let material = MeasuredMaterial::new(read_with(&args.input, &conventions)?)?;
         let value = |wi, wo| srbf_fit::table::luminance(material.brdf().evaluate(wi, wo));

@@ -104,6 +104,7 @@ fn fit_one(args: &Args, place: &Job, picture: Option<&Path>) -> anyhow::Result<(
     {
         return sheet::fit(args, place, picture, sheet);
     }
+    ensure!(!args.sheet, "{}: --sheet: a file is expected; a model has one material", shown(file));
     let source = method::read(file, args.material.as_deref(), &conventions)?;
     check_options(file, &source.content, &args.settings)?;
     // After the file, which is named first where memory is short.

@@ -5,8 +5,7 @@ use crate::out::output;
 use crate::out::print::shown;
 use crate::truth::stored::StoredMaterial;
 use anyhow::ensure;
-use srbf_core::Sheet;
-use srbf_fit::light_of_sheet;
+use srbf_fit::{joined, light_of_sheet};
 use std::path::PathBuf;
 
 /// Puts materials together to a sheet: a thin surface that reflects light, and lets some through.
@@ -50,11 +49,7 @@ pub fn run(args: &Args) -> anyhow::Result<()> {
     let [a, b, c, d] = named.map(load);
     let loaded = [a?, b?, c?, d?];
     let quarters = loaded.each_ref().map(|stored| stored.as_ref().map(|stored| &stored.material));
-    // Of each quarter the line that names its source.
-    let sources = quarters.iter().flatten().filter_map(|material| material.provenance().lines().next());
-    let provenance = sources.fold(String::new(), |text, line| text + line + "\n");
-    let mut bytes = vec![0; Sheet::encoded_len(quarters, &provenance)];
-    Sheet::encode(quarters, args.symmetric, &provenance, &mut bytes)?;
+    let bytes = joined(quarters, args.symmetric)?;
     output::write(&args.output, &bytes)?;
     println!(
         "{}: {} bytes, {} quarters",

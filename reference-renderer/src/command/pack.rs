@@ -11,7 +11,7 @@ use srbf_core::{Material, PackOptions, Quarter, Sheet};
 use srbf_evaluator::plain_bytes;
 use srbf_fit::pack::{Packed, PackedForm, Subject, Way, forms};
 use srbf_fit::read::{Content, Conventions, read_with};
-use srbf_fit::{FactorNodes, Settings, export, fit_source};
+use srbf_fit::{FactorNodes, Settings, encoded, export, fit_source};
 use std::path::{Path, PathBuf};
 
 /// Writes a material in as few bytes as a scene needs: 8 or 16 bits a number, fewer lobes, views, factors, channels.
@@ -120,8 +120,7 @@ fn pack_sheet(args: &Args, sheet: &Sheet<Vec<u8>>, output: &Path) -> anyhow::Res
         *quarter = part.as_deref().map(Material::from_bytes).transpose()?;
     }
     let quarters = quarters.each_ref().map(Option::as_ref);
-    let mut bytes = vec![0; Sheet::encoded_len(quarters, sheet.provenance())];
-    Sheet::encode(quarters, sheet.is_symmetric(), sheet.provenance(), &mut bytes)?;
+    let bytes = encoded(quarters, sheet.is_symmetric(), sheet.provenance())?;
     output::write(output, &bytes)?;
     println!("{}: {} bytes, a sheet of {}", shown(output), bytes.len(), sheet.bytes().len());
     Ok(())

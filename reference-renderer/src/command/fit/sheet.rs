@@ -92,7 +92,7 @@ fn notes(sheet: &SheetSource, fit: &SheetFit) -> Vec<String> {
     if fit.is_symmetric {
         notes.push("the back is like the front, and is stored once".to_owned());
     }
-    let disagreement = sheet.window.as_ref().and_then(|window| window.disagreement);
+    let disagreement = sheet.window().and_then(|window| window.disagreement);
     if let Some(apart) = disagreement.filter(|apart| *apart > 0.01) {
         notes.push(format!(
             "transmission from the front and from the back differs by {:.0} %; of a sheet that is reciprocal both are one function, and \
@@ -100,17 +100,15 @@ fn notes(sheet: &SheetSource, fit: &SheetFit) -> Vec<String> {
             100.0 * apart
         ));
     }
-    if sheet.is_one_way {
-        for (own, words) in
-            sheet.quarters.iter().zip(["reflection of the front", "transmission", "reflection of the back"])
-        {
-            notes.push(match own {
-                None => format!("the {words} has no samples, and is black"),
-                Some(_) if words == "transmission" => {
-                    format!("the {words} is taken as the same from both sides, as light goes either way")
-                }
-                Some(_) => continue,
-            });
+    if sheet.is_one_way() {
+        let named = ["reflection of the front", "transmission", "reflection of the back"];
+        for (_, words) in sheet.quarters.iter().zip(named).filter(|(own, _)| own.is_none()) {
+            notes.push(format!("the {words} is black: it has no samples, or none above noise"));
+        }
+        if sheet.quarters[Quarter::FrontTransmission as usize].is_some() {
+            notes.push(
+                "the transmission is taken as the same from both sides, as light goes either way".to_owned(),
+            );
         }
     }
     if fit.scale < 1.0 {
