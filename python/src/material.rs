@@ -20,7 +20,7 @@ use std::path::{Path, PathBuf};
 /// Most bytes of a file that is read as a material.
 const MAX_FILE: u64 = 1 << 26;
 
-/// What is made of the bytes of a file.
+/// The thing that the bytes of a file make.
 pub fn loaded<T>(path: &Path, make: impl Fn(Vec<u8>) -> Result<T, srbf_core::FormatError>) -> PyResult<T> {
     let bytes = srbf_fit::read_at_most(path, MAX_FILE).map_err(|e| error::io(path, &e))?;
     let fault = |e| PyValueError::new_err(format!("{}: {e}", printable(&path.to_string_lossy())));
