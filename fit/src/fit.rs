@@ -77,6 +77,14 @@ pub fn fit_source(
                 )
             })?
         }
+        (Content::Evaluable(brdf), Some(intake)) if source.completion.is_some() => {
+            check_memory(MEMORY + OF_SAMPLE * intake.rows.len() as u64).map_err(FitError::Memory)?;
+            let report = source.completion.clone().unwrap_or_default();
+            let table = Table::from_scattered(intake.without(&report.outliers).views())?;
+            with_lobes(settings, progress, |settings, progress| {
+                isotropic::fit_samples(&table, brdf.as_ref(), &report, settings, progress)
+            })?
+        }
         (content, _) => fit_content(content, settings, progress)?,
     };
     if let Some(completion) = &source.completion {
@@ -106,7 +114,7 @@ pub fn fit(table: &Table, settings: &Settings, progress: impl FnMut(f64) + Send)
     let completion = complete(table)?;
     let table = completion.without_outliers(table)?;
     with_lobes(settings, progress, |settings, progress| {
-        isotropic::fit_samples(&table, &completion, settings, progress)
+        isotropic::fit_samples(&table, &completion, &completion.report, settings, progress)
     })
 }
 

@@ -3,7 +3,8 @@
 //! A few hundred samples say little of the values between them. Knowledge of BRDFs adds the rest. Four things are known:
 //!
 //! 1. they are reciprocal: a sample says as much of (wo, wi) as of (wi, wo), so that one view speaks for all others. The
-//!    coordinates (`pair`) are the same both ways;
+//!    coordinates (`pair`) are the same both ways. Light through a sheet whose sides differ may go the other way too, but the
+//!    directions in front and behind do not change places (`changes`);
 //! 2. a microfacet lobe and a diffuse term (`microfacet`) are close to most of them. The rest needs a clear coat too, or a
 //!    lobe about the back direction. Which of these families it is, `family` chooses by samples and views that fits of them
 //!    did not see;
@@ -18,6 +19,7 @@
 //!
 //! May import: `error`, `numeric`, `row`, `table`.
 
+mod changes;
 mod color;
 mod energy;
 mod family;
@@ -41,6 +43,7 @@ pub(crate) mod turned;
 use crate::FitError;
 use crate::complete::tuning::choice::{ALONE, BRIGHTER, FARTHEST, KERNELS, LEAST_WIDTH, NOISES, OF_MODEL};
 use crate::table::{Brdf, Symmetry, Table, check_storable};
+use changes::Changes;
 use energy::Energy;
 use family::{Models, models, unseen};
 pub use gaps::Gaps;
@@ -52,7 +55,6 @@ use kernel::Kernel;
 use measurement::Measurement;
 pub use microfacet::Family;
 use microfacet::Microfacet;
-use pair::Pair;
 use points::{Point, points};
 use process::{Of, Process};
 use rayon::prelude::*;
@@ -61,16 +63,19 @@ pub use robust::Outlier;
 use robust::without_outliers;
 use scale::Scale;
 use std::collections::BTreeSet;
+use std::sync::Arc;
 pub use turn::{Kept, Turn};
 
 /// Samples made a BRDF.
+#[derive(Clone)]
 pub struct Completion {
     model: Microfacet,
     scale: Scale,
-    /// The axis, if a turn changes the surface.
-    turn: Option<Turn>,
+    changes: Changes,
+    /// Whether it is that of light the other way through a sheet: both directions change places.
+    is_back: bool,
     /// The residual above the model on the scale, if there is a process.
-    above: Option<Grid>,
+    above: Option<Arc<Grid>>,
     /// Greatest size of a value, on the scale.
     most: f64,
     energy: Option<Energy>,
@@ -105,34 +110,40 @@ pub fn complete(table: &Table) -> Result<Completion, FitError> {
         )));
     }
     check_storable(samples())?;
-    let mut completion = completed(Measurement::new(table), None)?;
+    let mut completion = completed(Measurement::new(table), Changes::default())?;
     completion.report.gaps = gaps(table);
     Ok(completion)
 }
 
 /// Completes pairs of directions, incident and outgoing, and f in linear sRGB.
 pub(crate) fn complete_pairs(pairs: &[([f64; 3], [f64; 3], [f64; 3])]) -> Result<Completion, FitError> {
-    completed(Measurement::of_pairs(pairs), None)
+    completed(Measurement::of_pairs(pairs), Changes::default())
 }
 
-fn completed(measurement: Measurement, turn: Option<Turn>) -> Result<Completion, FitError> {
+fn completed(measurement: Measurement, changes: Changes) -> Result<Completion, FitError> {
     let (measurement, outliers) = without_outliers(measurement);
     let scale = Scale::of(&measurement);
     let models = models(&measurement, scale);
     let best = best(&measurement, scale, &models);
     let is_alone = best.as_ref().is_some_and(|b| is_better_alone(&measurement, scale, b, &models.alone));
     let made = best.and_then(|best| match is_alone {
-        true => Some(made_alone(&measurement, scale, &models.alone, turn)),
-        false => made(&measurement, scale, (&best, &models.alone), turn),
+        true => Some(made_alone(&measurement, scale, &models.alone, changes)),
+        false => made(&measurement, scale, (&best, &models.alone), changes),
     });
     let Some(mut completion) = made else {
         let text = "its samples are too far apart in size to tell the values between them";
         return Err(FitError::Table(text.into()));
     };
     completion.report.outliers = outliers;
-    completion.report.turn = turn;
+    (completion.report.turn, completion.report.sides) = (changes.turn, changes.sides);
     let (energy, albedo) = Energy::new(&completion)?;
-    (completion.energy, completion.report.albedo) = (energy, albedo);
+    if changes.sides {
+        let (other, _) = Energy::new(&completion.reversed())?;
+        completion.energy = Energy::least(energy, other);
+    } else {
+        completion.energy = energy;
+    }
+    completion.report.albedo = albedo;
     Ok(completion)
 }
 
@@ -184,7 +195,7 @@ fn made(
     measurement: &Measurement,
     scale: Scale,
     (best, alone): (&Candidate, &Microfacet),
-    turn: Option<Turn>,
+    changes: Changes,
 ) -> Option<Completion> {
     let &Candidate { model, kernel, noise, .. } = best;
     let points = points(measurement, &model, scale, width(&model));
@@ -207,7 +218,7 @@ fn made(
         ..CompletionReport::default()
     };
     let heights = Heights::new(&points);
-    let above = Grid::new(width(&model), turn, |pair, at| {
+    let above = Grid::new(width(&model), changes, |pair, at| {
         let values = process.at(at);
         let mean = values.iter().sum::<f64>() / 3.0;
         let corrected = heights.correction(at[0], mean);
@@ -216,11 +227,17 @@ fn made(
         hue.map(|v| mean + corrected + free * v)
     });
     let most = most(measurement, scale);
-    Some(Completion { model, scale, turn, above: Some(above), most, energy: None, report })
+    let above = Some(Arc::new(above));
+    Some(Completion { model, scale, changes, is_back: false, above, most, energy: None, report })
 }
 
 /// The completion by the model without a process.
-fn made_alone(measurement: &Measurement, scale: Scale, model: &Microfacet, turn: Option<Turn>) -> Completion {
+fn made_alone(
+    measurement: &Measurement,
+    scale: Scale,
+    model: &Microfacet,
+    changes: Changes,
+) -> Completion {
     let [samples_left_out, views_left_out] = unseen(measurement, scale, model, None).unwrap_or_default();
     let report = CompletionReport {
         samples: measurement.samples.len(),
@@ -234,7 +251,7 @@ fn made_alone(measurement: &Measurement, scale: Scale, model: &Microfacet, turn:
         ..CompletionReport::default()
     };
     let most = most(measurement, scale);
-    Completion { model: *model, scale, turn, above: None, most, energy: None, report }
+    Completion { model: *model, scale, changes, is_back: false, above: None, most, energy: None, report }
 }
 
 fn of_model_alone(measurement: &Measurement, scale: Scale, model: &Microfacet) -> HeldOut {
@@ -249,6 +266,12 @@ fn most(measurement: &Measurement, scale: Scale) -> f64 {
 }
 
 impl Completion {
+    /// That of light the other way through a sheet: the values with both directions exchanged.
+    #[must_use]
+    pub fn reversed(&self) -> Self {
+        Self { is_back: !self.is_back, ..self.clone() }
+    }
+
     /// The table that it is of without the samples that all others contradict.
     ///
     /// # Errors
@@ -268,7 +291,7 @@ impl Completion {
 }
 
 /// A diffuse term and a microfacet lobe fitted to samples: the first step of a completion alone, as a baseline.
-pub struct Model(Microfacet, Option<Turn>);
+pub struct Model(Microfacet, Changes);
 
 impl Model {
     /// Fits it to the samples of a table.
@@ -280,31 +303,28 @@ impl Model {
         let measurement = Measurement::new(table);
         let few = measurement.thinned(OF_MODEL);
         let fits = Microfacet::fits(&few, Scale::of(&measurement), Family::OneLobe);
-        Ok(Self(fits[0].1, None))
+        Ok(Self(fits[0].1, Changes::default()))
     }
-}
-
-fn pair(wi: [f64; 3], wo: [f64; 3], turn: Option<&Turn>) -> Pair {
-    turn.map_or_else(|| Pair::new(wi, wo), |turn| Pair::turned(wi, wo, turn))
 }
 
 impl Brdf for Model {
     fn evaluate(&self, wi: [f64; 3], wo: [f64; 3]) -> [f64; 3] {
-        color::rgb(self.0.value(&pair(wi, wo, self.1.as_ref())))
+        color::rgb(self.0.value(&self.1.pair(wi, wo)))
     }
 
     fn symmetry(&self) -> Symmetry {
-        self.1.map_or(Symmetry::Isotropic, |turn| turn.symmetry())
+        self.1.symmetry()
     }
 
     fn axis(&self) -> f64 {
-        self.1.map_or(0.0, |turn| turn.axis)
+        self.1.axis()
     }
 }
 
 impl Brdf for Completion {
     fn evaluate(&self, wi: [f64; 3], wo: [f64; 3]) -> [f64; 3] {
-        let pair = pair(wi, wo, self.turn.as_ref());
+        let (wi, wo) = if self.is_back { (wo, wi) } else { (wi, wo) };
+        let pair = self.changes.pair(wi, wo);
         let model = self.model.value(&pair);
         let above = self.above.as_ref().map_or([0.0; 3], |above| above.at(&pair, wi, wo));
         let value = |c: usize| self.scale.to(model[c]) + above[c].clamp(-FARTHEST, FARTHEST);
@@ -313,10 +333,10 @@ impl Brdf for Completion {
     }
 
     fn symmetry(&self) -> Symmetry {
-        self.turn.map_or(Symmetry::Isotropic, |turn| turn.symmetry())
+        self.changes.symmetry()
     }
 
     fn axis(&self) -> f64 {
-        self.turn.map_or(0.0, |turn| turn.axis)
+        self.changes.axis()
     }
 }

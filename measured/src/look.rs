@@ -436,10 +436,11 @@ fn sides(pairs: &[Compared]) -> Option<(f64, usize)> {
 fn outliers(intake: &Intake, completion: &CompletionReport) -> Vec<Outlier> {
     let groups = intake.placed();
     let found = completion.outliers.iter().filter_map(|outlier| {
-        // Samples of a surface that a turn changes are numbered as they stand in the file.
-        let row = match completion.turn {
-            Some(_) => outlier.sample,
-            None => *groups.get(outlier.view)?.get(outlier.sample)?,
+        // Samples of a surface that a turn changes, or of sides that differ, are numbered as they stand in the file.
+        let row = if completion.turn.is_some() || completion.sides {
+            outlier.sample
+        } else {
+            *groups.get(outlier.view)?.get(outlier.sample)?
         };
         let (ratio, is_wrong) = (outlier.ratio, outlier.is_wrong);
         Some(Outlier { row: *intake.rows.get(row)?, ratio, is_wrong })

@@ -41,7 +41,7 @@ pub mod window;
 mod words;
 
 use crate::analytic;
-use crate::complete::CompletionReport;
+use crate::complete::{Completion, CompletionReport};
 use crate::complete::turned::{Found, complete_turned};
 use crate::file::{MAX_FILE, read_bytes};
 use crate::isotropy::Isotropy;
@@ -95,7 +95,7 @@ pub struct Source {
     pub sha256: String,
     /// Samples as they stand in the file, and rows that were left out. `None` for a BRDF.
     pub intake: Option<Intake>,
-    /// The quality of the completion, if the BRDF is one of samples of a surface that a turn changes.
+    /// The quality of the completion, if the BRDF is one of samples: of a surface that a turn changes, or of a sheet whose sides differ.
     pub completion: Option<CompletionReport>,
     /// The spectra of the colours of a BRDF.
     of_brdf: Option<Spectra>,
@@ -131,7 +131,15 @@ impl Source {
         self.of_brdf.as_ref().or_else(|| self.intake.as_ref()?.spectra.as_ref())
     }
 
-    /// Samples. Those of a surface that a turn changes are completed at once, and are a BRDF from then on.
+    /// Samples that were completed.
+    fn completed(completion: Completion, intake: Intake, name: String, sha256: String) -> Self {
+        let (report, intake) = (Some(completion.report.clone()), Some(intake));
+        let content = Content::Evaluable(Box::new(completion));
+        Self { content, name, sha256, intake, of_brdf: None, completion: report }
+    }
+
+    /// Samples. Those of a surface that a turn changes are completed at once, and are a BRDF from then on; so is light through a sheet whose
+    /// sides differ ([`sheet_of`]).
     ///
     /// # Errors
     /// [`FitError::Table`] for samples that make no table.
@@ -139,23 +147,18 @@ impl Source {
         let mut intake = Intake { isotropy: Isotropy::of(&intake.rows), ..intake };
         if let Some(found) = intake.isotropy.filter(Isotropy::is_anisotropic) {
             if let Found::Anisotropic(completion) =
-                complete_turned(&intake.rows, intake.is_light_fixed, found.is_steady())?
+                complete_turned(&[intake.way(false)], false, found.is_steady())?
             {
-                let report = Some(completion.report.clone());
-                let content = Content::Evaluable(completion);
-                return Ok(Self {
-                    content,
-                    name,
-                    sha256,
-                    intake: Some(intake),
-                    of_brdf: None,
-                    completion: report,
-                });
+                return Ok(Self::completed(*completion, intake, name, sha256));
             }
             intake.isotropy = Some(Isotropy { explained: true, ..found });
         }
-        let table = Table::from_scattered(intake.views())?;
-        let content = Content::Samples(table);
+        Self::even(intake, name, sha256)
+    }
+
+    /// Samples of a surface that no turn changes.
+    fn even(intake: Intake, name: String, sha256: String) -> Result<Self, FitError> {
+        let content = Content::Samples(Table::from_scattered(intake.views())?);
         Ok(Self { content, name, sha256, intake: Some(intake), of_brdf: None, completion: None })
     }
 }
@@ -246,7 +249,13 @@ fn of_bytes(path: &Path, bytes: &[u8], conventions: &Conventions) -> Result<Sour
             let brdf = window.brdf(quarter).ok_or_else(|| fault(ReadError::Content(black())))?;
             Ok(Source::evaluable(Box::new(brdf), name, sha256))
         }
-        format => Source::of_samples(intake(path, bytes, format, conventions)?, name, sha256),
+        format => {
+            let intake = intake(path, bytes, format, conventions)?;
+            if conventions.quarter.is_transmission() && !intake.is_black {
+                return sheet::transmission(conventions.quarter, intake, &name, &sha256);
+            }
+            Source::of_samples(intake, name, sha256)
+        }
     }
 }
 

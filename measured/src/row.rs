@@ -32,6 +32,11 @@ pub struct Row {
 }
 
 impl Row {
+    /// That of light the other way.
+    pub(crate) fn exchanged(&self) -> Self {
+        Self { wi: self.wo, wo: self.wi, ..*self }
+    }
+
     /// Angles of its incident and outgoing direction from the normal, and the outgoing azimuth less the incident one: radians, the latter
     /// from -pi to pi; `None` where a direction is too close to the normal to have one.
     pub(crate) fn angles(&self) -> ([f64; 2], Option<f64>) {

@@ -1,7 +1,7 @@
 //! Fits of isotropic surfaces: to a BRDF, or to samples and their completion.
 
 use crate::clock::Clock;
-use crate::complete::{Completion, Gaps};
+use crate::complete::{CompletionReport, Gaps};
 use crate::isotropic::effort::{COMPLETED, Effort, MEASURED};
 use crate::isotropic::resample::resampled;
 use crate::isotropic::search::schedule::Resampling;
@@ -33,7 +33,8 @@ pub(crate) fn fit_evaluable(
 /// The report has the samples' own views, and as held out the completion between the stored views.
 pub(crate) fn fit_samples(
     table: &Table,
-    completion: &Completion,
+    completion: &dyn Brdf,
+    report: &CompletionReport,
     settings: &Settings,
     progress: impl FnMut(f64) + Send,
 ) -> Result<Fit, FitError> {
@@ -48,8 +49,8 @@ pub(crate) fn fit_samples(
         ViewReport::new(&fit.bytes, &View { albedo, uncut_albedo, ..view.clone() })
     });
     fit.report.views = reports.collect::<Result<_, _>>()?;
-    fit.report.completion = Some(completion.report.clone());
-    fit.report.gaps = Some(completion.report.gaps.clone());
+    fit.report.completion = Some(report.clone());
+    fit.report.gaps = Some(report.gaps.clone());
     Ok(fit)
 }
 

@@ -30,6 +30,7 @@ impl Brdf for AtTurn<'_> {
 }
 
 /// What values are multiplied by, once for each of the two directions, so that they stay reciprocal.
+#[derive(Clone)]
 pub(super) struct Energy {
     factors: Vec<f64>,
 }
@@ -48,6 +49,16 @@ impl Energy {
         let factors: Vec<f64> = table.views.iter().map(|view| factor(view.albedo)).collect();
         let albedos = table.views.iter().map(|view| (view.theta, view.albedo)).collect();
         Ok((factors.iter().any(|f| *f < 1.0).then_some(Self { factors }), albedos))
+    }
+
+    /// Factors that hold what both hold.
+    pub fn least(a: Option<Self>, b: Option<Self>) -> Option<Self> {
+        match (a, b) {
+            (Some(a), Some(b)) => {
+                Some(Self { factors: a.factors.iter().zip(&b.factors).map(|(a, b)| a.min(*b)).collect() })
+            }
+            (a, b) => a.or(b),
+        }
     }
 
     /// The least factors, and the mean albedos, of all turns.

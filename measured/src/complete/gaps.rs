@@ -2,7 +2,7 @@
 
 use crate::complete::tuning::gaps::{DIRECTIONS, MOST, NEAR, STEP};
 use crate::numeric::GOLDEN_ANGLE;
-use crate::row::Row;
+use crate::row::{Row, polar};
 use crate::table::{Brdf, Table, direction};
 use serde_json::{Value, json};
 use std::f64::consts::PI;
@@ -124,15 +124,29 @@ fn spread(i: usize) -> [f64; 3] {
 
 /// Looks where a table has no samples.
 pub(super) fn gaps(table: &Table) -> Gaps {
-    let total: usize = table.views.iter().map(|v| v.samples.len()).sum();
-    let every = total.div_ceil(MOST).max(1);
     let samples = table.views.iter().flat_map(|v| v.samples.iter().map(move |s| (v.theta, s.direction)));
     // Both ways: seen from the incident direction, the outgoing one is on the other side of the same plane.
-    let both = samples.step_by(every).flat_map(|(theta, d)| {
+    let both = thinned(samples.collect()).flat_map(|(theta, d)| {
         let (other, azimuth) = (libm::acos(d[2]), libm::atan2(d[1], d[0]));
         [(theta, d), (other, direction(theta, azimuth))]
     });
-    let both: Vec<(f64, [f64; 3])> = both.collect();
+    around(&both.collect::<Vec<_>>())
+}
+
+/// Looks where light through a sheet has no samples, as seen from the front.
+pub(super) fn gaps_of_sides(rows: &[Row]) -> Gaps {
+    let azimuth = |d: [f64; 3]| libm::atan2(d[1], d[0]);
+    let sample = |row: &Row| (polar(row.wo), direction(polar(row.wi), PI + azimuth(row.wi) - azimuth(row.wo)));
+    around(&thinned(rows.iter().map(sample).collect()).collect::<Vec<_>>())
+}
+
+fn thinned<T>(samples: Vec<T>) -> impl Iterator<Item = T> {
+    let every = samples.len().div_ceil(MOST).max(1);
+    samples.into_iter().step_by(every)
+}
+
+/// Looks where there is no sample, of samples by the angle of the outgoing direction, and the incident one.
+fn around(both: &[(f64, [f64; 3])]) -> Gaps {
     let share = |degrees: usize| {
         let theta = (degrees as f64).to_radians();
         let near: Vec<[f64; 3]> =
@@ -154,8 +168,7 @@ pub(super) fn gaps(table: &Table) -> Gaps {
 
 /// Looks where a surface that a turn changes has no samples, at several turns; `is_half`: half a turn leaves it as it is.
 pub(super) fn gaps_of_turned(rows: &[Row], is_half: bool) -> Gaps {
-    let every = rows.len().div_ceil(MOST).max(1);
-    let both = rows.iter().step_by(every).flat_map(|row| [[row.wi, row.wo], [row.wo, row.wi]]);
+    let both = thinned(rows.iter().collect()).flat_map(|row| [[row.wi, row.wo], [row.wo, row.wi]]);
     let pairs: Vec<[[f64; 3]; 2]> = both.collect();
     let dot = |a: [f64; 3], b: [f64; 3]| (0..3).map(|k| a[k] * b[k]).sum::<f64>();
     let turned = |d: [f64; 3]| [-d[0], -d[1], d[2]];

@@ -1,6 +1,6 @@
 //! The covariance of a Gaussian process.
 
-use super::pair::{COORDINATES, ISOTROPIC};
+use super::pair::{COORDINATES, ISOTROPIC, OF_SIDES};
 use crate::numeric::vector::{self, Operation, Vectors};
 
 /// How alike points are at a distance.
@@ -32,7 +32,11 @@ impl Operation for Row<'_> {
 
     #[inline(always)]
     fn run<V: Vectors>(self, _: V) {
-        if self.from.len() == ISOTROPIC { self.of::<ISOTROPIC>() } else { self.of::<COORDINATES>() }
+        match self.from.len() {
+            ISOTROPIC => self.of::<ISOTROPIC>(),
+            OF_SIDES => self.of::<OF_SIDES>(),
+            _ => self.of::<COORDINATES>(),
+        }
     }
 }
 

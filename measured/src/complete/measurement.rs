@@ -1,8 +1,8 @@
 //! Scattered samples as a completion sees them.
 
+use super::changes::Changes;
 use super::color::xyz;
 use super::pair::Pair;
-use super::turn::Turn;
 use crate::complete::tuning::measurement::{DARK, LEAST_LEVEL, VIEWS_OF_PAIRS};
 use crate::table::{DARKEST, Table};
 use std::f64::consts::{FRAC_PI_2, PI};
@@ -93,11 +93,11 @@ impl Measurement {
         Self::of_samples(samples, [VIEWS_OF_PAIRS; 2], level)
     }
 
-    /// Of samples of a turned surface, without a turn as if it were isotropic. Their numbers are those of the samples.
-    pub fn of_turned(placed: &[Placed], [views, parts]: [usize; 2], turn: Option<&Turn>) -> Self {
+    /// Of samples with their places, by what changes values. Their numbers are those of the samples.
+    pub fn of_placed(placed: &[Placed], [views, parts]: [usize; 2], changes: &Changes) -> Self {
         let even = 1.0 / placed.len() as f64;
         let sample = |s: &Placed| {
-            let pair = turn.map_or_else(|| Pair::new(s.wi, s.wo), |turn| Pair::turned(s.wi, s.wo, turn));
+            let pair = changes.pair(s.wi, s.wo);
             let relative = s.moved * s.moved;
             let Placed { view, part, number, .. } = *s;
             Measured { pair, value: xyz(s.rgb), view, number, part, relative, even }

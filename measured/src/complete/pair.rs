@@ -29,14 +29,18 @@ pub(crate) struct Pair {
     pub lean2: [f64; 2],
     /// Squares of the sines of incident and outgoing direction as the facets of the first lobe see them.
     pub across2: [f64; 2],
+    /// Half the outgoing direction's cosine less the incident one's; 0 where both may change places.
+    pub toward: f64,
     /// Twice the azimuth of the half vector, and of the way between both directions: cosines and sines, the latter times
     /// `sin2_difference`. 0 where a turn changes nothing.
     pub turned: [f64; 4],
 }
 
-/// Coordinates in which the logarithm of a BRDF is smooth: the first ones of an isotropic surface, all of one that a turn changes.
-pub(crate) const COORDINATES: usize = 8;
+/// Coordinates in which the logarithm of a BRDF is smooth: the first ones of an isotropic surface, one more of a sheet whose sides
+/// differ, all of a surface that a turn changes.
+pub(crate) const COORDINATES: usize = 9;
 pub(crate) const ISOTROPIC: usize = 4;
+pub(super) const OF_SIDES: usize = 5;
 
 /// Squared sine of a direction with that cosine, at the horizon a little less.
 fn across2(cos: f64) -> f64 {
@@ -59,6 +63,7 @@ impl Pair {
             sin2_half,
             lean2: [sin2_half; 2],
             across2: [across2(wi[2]), across2(wo[2])],
+            toward: 0.0,
             turned: [0.0; 4],
             cos_difference: libm::sqrt(cos2_difference).min(1.0),
             sin2_difference: 0.25 * apart2,
@@ -84,9 +89,19 @@ impl Pair {
         }
     }
 
-    /// From angles: sines and cosines of the half vector's from the normal and of the direction's from the half vector. Then the
-    /// share of the half vector that leans sideways, 0 to 1.
-    pub fn from_angles(half: f64, difference: f64, sideways: f64) -> Self {
+    /// From angles: the half vector's from the normal and the direction's from the half vector, radians. Then the cosine of the azimuth of
+    /// the outgoing direction about the half vector, from the normal.
+    pub fn from_angles(half: f64, difference: f64, cos_toward: f64) -> Self {
+        let pair = Self::from_share(half, difference, 1.0 - cos_toward * cos_toward);
+        if cos_toward < 0.0 {
+            return pair;
+        }
+        let ([i, o], [of_i, of_o]) = (pair.cosines, pair.across2);
+        Self { cosines: [o, i], across2: [of_o, of_i], ..pair }
+    }
+
+    /// The same with the share of the half vector that leans sideways, 0 to 1; the incident direction is the higher one.
+    pub fn from_share(half: f64, difference: f64, sideways: f64) -> Self {
         let ((sin_half, cos_half), (sin_difference, cos_difference)) =
             (libm::sincos(half), libm::sincos(difference));
         let along = sin_half * sin_difference * libm::sqrt((1.0 - sideways).max(0.0));
@@ -98,6 +113,7 @@ impl Pair {
             sin2_half,
             lean2: [sin2_half; 2],
             across2: cosines.map(across2),
+            toward: 0.0,
             turned: [0.0; 4],
             cos_difference,
             sin2_difference: sin_difference * sin_difference,
@@ -115,6 +131,7 @@ impl Pair {
             self.difference(),
             self.cosines[0] * self.cosines[1],
             2.0 * self.sideways / (self.sin2_half + width * width),
+            self.toward / libm::sqrt(self.sin2_half + width * width),
             share * c,
             share * s,
             along,
@@ -125,6 +142,17 @@ impl Pair {
     /// The angle of the half vector, even up to `width` and by its logarithm beyond.
     pub fn spread_half(&self, width: f64) -> f64 {
         libm::asinh(libm::sqrt(self.lean2[0]) / width)
+    }
+
+    /// The same of a sheet whose sides differ, so that both directions do not change places.
+    pub fn told_apart(self) -> Self {
+        Self { toward: 0.5 * (self.cosines[1] - self.cosines[0]), ..self }
+    }
+
+    /// Cosine of the azimuth of the outgoing direction about the half vector, from the normal; 1 and more where there is none.
+    pub fn cos_toward(&self) -> f64 {
+        let all = self.sin2_half * self.sin2_difference;
+        if all > 1e-18 { (self.toward / libm::sqrt(all)).clamp(-1.0, 1.0) } else { 0.0 }
     }
 
     /// Angle between half vector and direction, radians.
@@ -155,7 +183,7 @@ mod tests {
             assert!((0..COORDINATES).all(|k| (there[k] - back[k]).abs() < 1e-12), "{there:?} {back:?}");
             let pair = Pair::new(wi, wo);
             let half = libm::atan2(libm::sqrt(pair.sin2_half), pair.cos_half);
-            let again = Pair::from_angles(half, pair.difference(), pair.share_sideways()).coordinates(0.1);
+            let again = Pair::from_share(half, pair.difference(), pair.share_sideways()).coordinates(0.1);
             assert!((0..COORDINATES).all(|k| (there[k] - again[k]).abs() < 1e-9), "{there:?} {again:?}");
         }
     }

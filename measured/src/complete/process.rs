@@ -4,7 +4,7 @@
 //! inverse `P` of the matrix, `y - P_gg^-1 (P y)_g`.
 
 use super::kernel::Kernel;
-use super::pair::{COORDINATES, ISOTROPIC};
+use super::pair::{COORDINATES, ISOTROPIC, OF_SIDES};
 use super::points::Point;
 use crate::numeric::cholesky::Square;
 use crate::numeric::vector;
@@ -67,10 +67,11 @@ pub(super) fn factor(points: &[Point], kernel: Kernel, noise: &[f64], of: Of) ->
     matrix.cholesky()
 }
 
-/// Coordinates of points, one after the other: those of an isotropic surface, or all where a turn changes some.
+/// Coordinates of points, one after the other: those of an isotropic surface, of sides that differ, or all where a turn changes some.
 fn columns(points: &[Point]) -> Vec<Vec<f64>> {
-    let is_turned = points.iter().any(|p| p.at[ISOTROPIC..].iter().any(|v| *v != 0.0));
-    let count = if is_turned { COORDINATES } else { ISOTROPIC };
+    let varies = |from: usize| points.iter().any(|p| p.at[from..].iter().any(|v| *v != 0.0));
+    let more = [(OF_SIDES, COORDINATES), (ISOTROPIC, OF_SIDES)];
+    let count = more.into_iter().find(|(from, _)| varies(*from)).map_or(ISOTROPIC, |(_, count)| count);
     (0..count).map(|k| points.iter().map(|p| p.at[k]).collect()).collect()
 }
 

@@ -36,6 +36,8 @@ pub struct CompletionReport {
     pub model_alone: HeldOut,
     /// The axis of a surface that a turn changes.
     pub turn: Option<Turn>,
+    /// Whether an exchange of both directions changes values: of the transmission of a sheet whose sides differ.
+    pub sides: bool,
     /// Where there are no samples.
     pub gaps: Gaps,
 }
@@ -58,6 +60,7 @@ impl CompletionReport {
                 "wider_along": turn.along * turn.along,
                 "symmetry": turn.kept.text(),
             })),
+            "sides_differ": self.sides,
             "lengths": self.lengths,
             "noise": self.noise,
             "samples_left_out": held_out(&self.samples_left_out),

@@ -20,9 +20,11 @@ pub(crate) mod choice {
     /// Lengths of the four coordinates that a turn of the sample adds: twice the azimuth of the half vector, and of the way between
     /// both directions.
     pub const OF_TURN: [f64; 4] = [1.0, 1.0, 1.5, 1.5];
-    /// Those of a kernel that are not the turn's.
-    const fn lengths([a, b, c, d]: [f64; 4]) -> [f64; 8] {
-        [a, b, c, d, OF_TURN[0], OF_TURN[1], OF_TURN[2], OF_TURN[3]]
+    /// Length of the coordinate that tells the sides of a sheet apart.
+    pub const OF_SIDES: f64 = 1.5;
+    /// Those of a kernel that are not the turn's, nor of the sides.
+    const fn lengths([a, b, c, d]: [f64; 4]) -> [f64; 9] {
+        [a, b, c, d, OF_SIDES, OF_TURN[0], OF_TURN[1], OF_TURN[2], OF_TURN[3]]
     }
     /// Kernels that are tried, from short to long; the third has terms of one coordinate alone.
     pub const KERNELS: [Kernel; 4] = [
@@ -102,6 +104,8 @@ pub(crate) mod gaps {
 pub(crate) mod grid {
     /// Nodes over the spread angle of the half vector, the angle from it to a direction, and the sideways share.
     pub const NODES: [usize; 3] = [64, 32, 6];
+    /// The same where the sides of a sheet differ: the last is the cosine of the azimuth about the half vector.
+    pub const OF_SIDES: [usize; 3] = [64, 32, 13];
     /// The same where a turn changes values: the last two are azimuths, of the way between both directions and of the half vector.
     pub const TURNED: [usize; 4] = [40, 20, 12, 16];
 }
@@ -260,6 +264,8 @@ pub(crate) mod turned {
     pub const BROKEN: f64 = 0.93;
     /// Share of the error at left-out samples and turns below which a turn changes something.
     pub const WORTHWHILE: f64 = 0.9;
+    /// The same of light through a sheet, below which its sides differ.
+    pub const SIDED: f64 = 0.9;
     /// The same where steps from turn to turn tell that by themselves: highlights narrower than the samples are predicted by nothing.
     pub const AS_GOOD: f64 = 1.1;
     /// Most views by the angle of the outgoing direction, and most turns.

@@ -5,7 +5,7 @@
 //! predict samples, and turns, that they did not see. So noise and a tilted sample make no surface anisotropic.
 
 use super::family::{models, unseen};
-use super::gaps::gaps_of_turned;
+use super::gaps::{gaps_of_sides, gaps_of_turned};
 use super::held_out::HeldOut;
 use super::measurement::{Measurement, Placed};
 use super::microfacet::{Family, Microfacet};
@@ -14,15 +14,26 @@ use super::process::{Of, Process};
 use super::scale::Scale;
 use super::turn::{Kept, Turn};
 use super::{Completion, FEWEST, Model, completed, noises, width};
+use super::changes::Changes;
 use crate::FitError;
 use crate::complete::tuning::choice::OF_MODEL;
 use crate::complete::tuning::family::COMPARED_BESIDE;
 use crate::complete::tuning::turned::{
-    AS_GOOD, AXES, BROKEN, COMPARED, MOST, SAMPLES, SECOND, STEPS, STRETCHES, TURNS, VIEWS, WORTHWHILE,
+    AS_GOOD, AXES, BROKEN, COMPARED, MOST, SAMPLES, SECOND, SIDED, STEPS, STRETCHES, TURNS, VIEWS, WORTHWHILE,
 };
 use crate::row::{NORMAL, Row, polar};
 use crate::table::{DARKEST, luminance};
 use std::f64::consts::{FRAC_PI_2, PI};
+
+/// Samples of which the instrument held the same direction.
+#[derive(Clone, Copy)]
+pub(crate) struct Way<'a> {
+    pub rows: &'a [Row],
+    /// Whether that is the incident one.
+    pub is_light_fixed: bool,
+    /// Whether the light went the other way through a sheet: both directions change places.
+    pub is_back: bool,
+}
 
 /// Samples, and how many views and parts they have.
 struct Turned {
@@ -42,24 +53,53 @@ pub(crate) enum Found {
 ///
 /// # Errors
 /// [`FitError::Table`] for fewer than five samples, and for some that are black, or darker than lobes can be.
-pub(crate) fn complete_turned(
-    rows: &[Row],
-    is_light_fixed: bool,
-    is_steady: bool,
-) -> Result<Found, FitError> {
-    let turned = Turned::new(rows, is_light_fixed);
-    let even = Measurement::of_turned(&turned.placed, turned.count, None);
-    if rows.len() < FEWEST || !rows.iter().any(|row| luminance(row.rgb) >= DARKEST) {
+pub(crate) fn complete_turned(ways: &[Way<'_>], is_sheet: bool, is_steady: bool) -> Result<Found, FitError> {
+    let turned = Turned::new(ways);
+    if turned.is_little() {
         return Ok(Found::Isotropic);
     }
+    let even = turned.measurement(&Changes::default());
     let turn = turned.turn(&even);
-    let measurement = turned.measurement(&turn);
-    if !is_better(&even, &measurement, is_steady) {
+    let changes = turn.into();
+    let measurement = turned.measurement(&changes);
+    if !is_better(&even, &measurement, if is_steady { AS_GOOD } else { WORTHWHILE }) {
         return Ok(Found::Isotropic);
     }
-    let mut completion = completed(measurement, Some(turn))?;
-    completion.report.gaps = gaps_of_turned(rows, turn.kept != Kept::Nothing);
+    let sided = if is_sheet { turned.sided(&changes, &measurement) } else { None };
+    let (changes, measurement) = sided.unwrap_or((changes, measurement));
+    let mut completion = completed(measurement, changes)?;
+    completion.report.gaps = gaps_of_turned(&rows_of(ways), turn.kept != Kept::Nothing);
     Ok(Found::Anisotropic(Box::new(completion)))
+}
+
+/// Completes samples of light through an isotropic sheet, if its sides differ.
+///
+/// # Errors
+/// As [`complete_turned`].
+pub(crate) fn complete_sides(ways: &[Way<'_>]) -> Result<Option<Completion>, FitError> {
+    let turned = Turned::new(ways).by_views();
+    if turned.is_little() {
+        return Ok(None);
+    }
+    let changes = Changes::default();
+    let Some((changes, measurement)) = turned.sided(&changes, &turned.measurement(&changes)) else {
+        return Ok(None);
+    };
+    let mut completion = completed(measurement, changes)?;
+    completion.report.gaps = gaps_of_sides(&rows_of(ways));
+    Ok(Some(completion))
+}
+
+/// The samples of both ways, as if the viewer were on one side.
+fn rows_of(ways: &[Way<'_>]) -> Vec<Row> {
+    ways.iter().flat_map(Way::rows).collect()
+}
+
+impl Way<'_> {
+    /// The samples as if the viewer were in front.
+    pub fn rows(&self) -> impl Iterator<Item = Row> + '_ {
+        self.rows.iter().map(|row| if self.is_back { row.exchanged() } else { *row })
+    }
 }
 
 impl Model {
@@ -71,11 +111,11 @@ impl Model {
         if rows.len() < FEWEST {
             return Err(FitError::Table(format!("{} samples; {FEWEST} are needed", rows.len())));
         }
-        let turned = Turned::new(rows, is_light_fixed);
-        let even = Measurement::of_turned(&turned.placed, turned.count, None);
-        let turn = turned.turn(&even);
-        let few = turned.measurement(&turn).thinned(OF_MODEL);
-        Ok(Self(Microfacet::fits(&few, Scale::of(&even), Family::OneLobe)[0].1, Some(turn)))
+        let turned = Turned::new(&[Way { rows, is_light_fixed, is_back: false }]);
+        let even = turned.measurement(&Changes::default());
+        let changes = turned.turn(&even).into();
+        let few = turned.measurement(&changes).thinned(OF_MODEL);
+        Ok(Self(Microfacet::fits(&few, Scale::of(&even), Family::OneLobe)[0].1, changes))
     }
 }
 
@@ -95,39 +135,56 @@ fn places(values: &[f64], close: f64, most: usize) -> Option<(Vec<usize>, usize)
 }
 
 impl Turned {
-    fn new(rows: &[Row], is_light_fixed: bool) -> Self {
-        let held = |row: &Row| if is_light_fixed { row.wi } else { row.wo };
-        let thetas: Vec<f64> = rows.iter().map(|row| polar(held(row))).collect();
-        let (views, view_count) = places(&thetas, 2e-3, VIEWS).unwrap_or_else(|| {
-            let place = |theta: &f64| ((theta / FRAC_PI_2 * TURNS as f64) as usize).min(TURNS - 1);
-            (thetas.iter().map(place).collect(), TURNS)
-        });
-        // At the normal a direction has no azimuth: then that of the other says it.
-        let azimuth = |row: &Row| {
-            let (held, moved) = if is_light_fixed { (row.wi, row.wo) } else { (row.wo, row.wi) };
-            let d = if polar(held) < NORMAL { moved } else { held };
-            libm::fmod(libm::atan2(d[1], d[0]) + 2.0 * PI + 0.01, 2.0 * PI)
-        };
-        let azimuths: Vec<f64> = rows.iter().map(azimuth).collect();
+    fn new(ways: &[Way<'_>]) -> Self {
+        let (mut placed, mut azimuths, mut view_count) = (Vec::new(), Vec::new(), 0);
+        for way in ways {
+            let held_and_moved =
+                |row: &Row| if way.is_light_fixed { (row.wi, row.wo) } else { (row.wo, row.wi) };
+            let thetas: Vec<f64> = way.rows.iter().map(|row| polar(held_and_moved(row).0)).collect();
+            let (views, count) = places(&thetas, 2e-3, VIEWS).unwrap_or_else(|| {
+                let place = |theta: &f64| ((theta / FRAC_PI_2 * TURNS as f64) as usize).min(TURNS - 1);
+                (thetas.iter().map(place).collect(), TURNS)
+            });
+            for (row, view) in way.rows.iter().zip(views) {
+                let (held, moved) = held_and_moved(row);
+                // At the normal a direction has no azimuth: then that of the other says it.
+                let d = if polar(held) < NORMAL { moved } else { held };
+                azimuths.push(libm::fmod(libm::atan2(d[1], d[0]) + 2.0 * PI + 0.01, 2.0 * PI));
+                let Row { wi, wo, rgb, .. } = if way.is_back { row.exchanged() } else { *row };
+                let (view, number) = (view_count + view, placed.len());
+                placed.push(Placed { wi, wo, rgb, moved: moved[2], view, part: 0, number });
+            }
+            view_count += count;
+        }
         let (parts, part_count) = places(&azimuths, 0.03, TURNS).unwrap_or_else(|| {
             let place = |a: &f64| ((a / (2.0 * PI) * TURNS as f64) as usize).min(TURNS - 1);
             (azimuths.iter().map(place).collect(), TURNS)
         });
         // The first and the last part are never left out: they are empty here.
-        let place = |(number, row): (usize, &Row)| Placed {
-            wi: row.wi,
-            wo: row.wo,
-            rgb: row.rgb,
-            moved: if is_light_fixed { row.wo[2] } else { row.wi[2] },
-            view: views[number],
-            part: parts[number] + 1,
-            number,
-        };
-        Self { placed: rows.iter().enumerate().map(place).collect(), count: [view_count, part_count + 2] }
+        placed.iter_mut().zip(parts).for_each(|(sample, part)| sample.part = part + 1);
+        Self { placed, count: [view_count, part_count + 2] }
     }
 
-    fn measurement(&self, turn: &Turn) -> Measurement {
-        Measurement::of_turned(&self.placed, self.count, Some(turn))
+    /// With views as parts.
+    fn by_views(self) -> Self {
+        let part = |sample: Placed| Placed { part: sample.view, ..sample };
+        Self { placed: self.placed.into_iter().map(part).collect(), count: [self.count[0]; 2] }
+    }
+
+    /// Whether there are too few samples, or none that is bright enough.
+    fn is_little(&self) -> bool {
+        self.placed.len() < FEWEST || !self.placed.iter().any(|s| luminance(s.rgb) >= DARKEST)
+    }
+
+    fn measurement(&self, changes: &Changes) -> Measurement {
+        Measurement::of_placed(&self.placed, self.count, changes)
+    }
+
+    /// With the sides told apart, if that predicts samples and parts that were left out better.
+    fn sided(&self, changes: &Changes, even: &Measurement) -> Option<(Changes, Measurement)> {
+        let changes = Changes { sides: true, ..*changes };
+        let sided = self.measurement(&changes);
+        is_better(even, &sided, SIDED).then_some((changes, sided))
     }
 
     /// About that number of the samples, spread over all of them.
@@ -147,7 +204,7 @@ impl Turned {
         for along in STRETCHES {
             for n in 0..AXES {
                 let turn = Turn::new(PI * n as f64 / AXES as f64, along, 1.0, Kept::default());
-                let (cost, model) = Microfacet::fits(&few.measurement(&turn), scale, Family::OneLobe)[0];
+                let (cost, model) = Microfacet::fits(&few.measurement(&turn.into()), scale, Family::OneLobe)[0];
                 if best.as_ref().is_none_or(|best| cost < best.0) {
                     best = Some((cost, turn, model));
                 }
@@ -159,7 +216,7 @@ impl Turned {
         let mut found = (SECOND * one, turn);
         for second in [Second::Even, Second::Same, Second::Across] {
             let start = second.of(turn);
-            let (_, model) = Microfacet::fits(&more.measurement(&start), scale, Family::Coat)[0];
+            let (_, model) = Microfacet::fits(&more.measurement(&start.into()), scale, Family::Coat)[0];
             let (cost, turn) = more.refined(scale, start, &model, second);
             if cost < found.0 {
                 found = (cost, turn);
@@ -172,7 +229,7 @@ impl Turned {
     fn refined(&self, scale: Scale, start: Turn, model: &Microfacet, second: Second) -> (f64, Turn) {
         let mut model = *model;
         let mut best = start;
-        let (mut least, fitted) = model.moved_to(&self.measurement(&best), scale);
+        let (mut least, fitted) = model.moved_to(&self.measurement(&best.into()), scale);
         model = fitted;
         let mut steps = STEPS;
         while steps[0] > 0.01 * STEPS[0] {
@@ -183,7 +240,7 @@ impl Turned {
                     continue;
                 }
                 let turn = second.of(Turn::new(best.axis + by_axis * steps[0], along, 1.0, best.kept));
-                let (cost, fitted) = model.moved_to(&self.measurement(&turn), scale);
+                let (cost, fitted) = model.moved_to(&self.measurement(&turn.into()), scale);
                 if cost < least * (1.0 - 1e-9) {
                     (least, best, model, is_better) = (cost, turn, fitted, true);
                 }
@@ -199,8 +256,8 @@ impl Turned {
     fn kept(&self, scale: Scale, turn: Turn) -> Turn {
         let few = self.thinned(COMPARED);
         let (kernel, noise) = COMPARED_BESIDE;
-        let rank = |turn: &Turn| {
-            let measurement = few.measurement(turn);
+        let rank = |turn: Turn| {
+            let measurement = few.measurement(&turn.into());
             let (_, model) = Microfacet::fits(&measurement, scale, Family::OneLobe)[0];
             let points = points(&measurement, &model, scale, width(&model));
             let process = Process::new(&points, kernel, &noises(&points, noise), Of::Values)?;
@@ -209,7 +266,7 @@ impl Turned {
         let with = |kept: Kept| Turn::new(turn.axis, turn.along, turn.second, kept);
         let mut best = (f64::INFINITY, with(Kept::default()));
         for kept in Kept::ALL {
-            let Some(rank) = rank(&with(kept)) else { continue };
+            let Some(rank) = rank(with(kept)) else { continue };
             if rank < BROKEN * best.0 {
                 best = (rank, with(kept));
             }
@@ -240,8 +297,8 @@ impl Second {
     }
 }
 
-/// Whether samples, and turns, that were left out are predicted better with a turn; as well, where values themselves tell the turn.
-fn is_better(even: &Measurement, turned: &Measurement, is_steady: bool) -> bool {
+/// Whether samples, and parts, that were left out are predicted with `worthwhile` of the error where more is told apart.
+fn is_better(even: &Measurement, turned: &Measurement, worthwhile: f64) -> bool {
     let rank = |measurement: &Measurement| {
         let few = measurement.thinned(COMPARED);
         let scale = Scale::of(&few);
@@ -250,7 +307,7 @@ fn is_better(even: &Measurement, turned: &Measurement, is_steady: bool) -> bool 
         Some(samples.rank() + turns.rank())
     };
     match (rank(even), rank(turned)) {
-        (Some(even), Some(turned)) => turned < if is_steady { AS_GOOD } else { WORTHWHILE } * even,
+        (Some(even), Some(turned)) => turned < worthwhile * even,
         (None, Some(_)) => true,
         (_, None) => false,
     }

@@ -13,6 +13,8 @@ use super::sentinels::{Cells, Sentinels};
 use super::spectra::{Spectra, SpectralSamples};
 use super::wavelengths::Wavelengths;
 use crate::ReadError;
+use crate::complete::Outlier;
+use crate::complete::turned::Way;
 use crate::isotropy::Isotropy;
 use crate::reciprocity::Reciprocity;
 use crate::reciprocity::pairs::Places;
@@ -404,13 +406,38 @@ impl Intake {
         }
     }
 
-    /// The same of a quarter of a sheet whose other quarters are measurements too, with the samples of the other transmission.
-    pub(super) fn of_quarter(mut self, other: Option<Self>) -> Self {
+    /// Without the rows that others contradict, which are numbered as they stand here.
+    #[doc(hidden)]
+    pub fn without(&self, outliers: &[Outlier]) -> Self {
+        let gone: HashSet<usize> = outliers.iter().map(|outlier| outlier.sample).collect();
+        let kept = self.rows.iter().enumerate().filter(|(n, _)| !gone.contains(n));
+        Self { rows: kept.map(|(_, row)| *row).collect(), ..self.clone() }
+    }
+
+    /// With the samples of another.
+    pub(super) fn with(mut self, other: Option<Self>) -> Self {
         if let Some(other) = other {
             self.rows.extend(other.rows);
             self.is_light_fixed = scatter::is_light_fixed(&self.rows);
         }
+        self
+    }
+
+    /// The same of a quarter of a sheet whose other quarters are measurements too.
+    pub(super) fn of_quarter(mut self) -> Self {
         self.left_out.retain(|left| !matches!(left.reason, Reason::Behind | Reason::Transmission));
+        self
+    }
+
+    /// The samples as a completion takes them. `is_back`: of light the other way through a sheet.
+    pub(super) fn way(&self, is_back: bool) -> Way<'_> {
+        Way { rows: &self.rows, is_light_fixed: self.is_light_fixed, is_back }
+    }
+
+    /// The same samples with light and viewer exchanged.
+    pub(super) fn exchanged(mut self) -> Self {
+        self.rows.iter_mut().for_each(|row| *row = row.exchanged());
+        self.is_light_fixed = !self.is_light_fixed;
         self
     }
 
