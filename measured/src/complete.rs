@@ -232,12 +232,7 @@ fn made(
 }
 
 /// The completion by the model without a process.
-fn made_alone(
-    measurement: &Measurement,
-    scale: Scale,
-    model: &Microfacet,
-    changes: Changes,
-) -> Completion {
+fn made_alone(measurement: &Measurement, scale: Scale, model: &Microfacet, changes: Changes) -> Completion {
     let [samples_left_out, views_left_out] = unseen(measurement, scale, model, None).unwrap_or_default();
     let report = CompletionReport {
         samples: measurement.samples.len(),

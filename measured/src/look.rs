@@ -146,11 +146,16 @@ impl Look {
         let places = Places::of(&few, is_turned);
         let mut views: Vec<f64> = intake.views().iter().map(|view| view.0.to_degrees()).collect();
         views.sort_by(f64::total_cmp);
-        let reciprocity = Reciprocity::of(&places.swapped());
+        // Light through a sheet whose sides differ: swapped directions are others.
+        let is_swapped = completion.is_none_or(|completion| !completion.sides);
+        let reciprocity = if is_swapped { Reciprocity::of(&places.swapped()) } else { None };
         // Where a cosine is left, all angles do.
         let is_of_cosine = reciprocity.is_some_and(|found| found.cosine.is_some());
-        let contradicted =
-            if is_of_cosine { Vec::new() } else { contradicted(&few, intake.is_light_fixed, is_turned) };
+        let contradicted = if is_of_cosine || !is_swapped {
+            Vec::new()
+        } else {
+            contradicted(&few, intake.is_light_fixed, is_turned)
+        };
         let mut look = Self {
             format: intake.format,
             samples: intake.rows.len(),

@@ -41,8 +41,8 @@ pub mod window;
 mod words;
 
 use crate::analytic;
-use crate::complete::{Completion, CompletionReport};
 use crate::complete::turned::{Found, complete_turned};
+use crate::complete::{Completion, CompletionReport};
 use crate::file::{MAX_FILE, read_bytes};
 use crate::isotropy::Isotropy;
 use crate::table::{Brdf, Table};

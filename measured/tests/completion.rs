@@ -1,10 +1,12 @@
-//! Completions of samples: outliers, marks of missing values, peaks about the back direction.
+//! Completions of samples: outliers, marks of missing values, peaks about the back direction, sheets whose sides differ.
 
+use srbf_core::Quarter;
 use srbf_measured::complete::{Completion, Family, complete};
 use srbf_measured::export;
-use srbf_measured::read::{Content, Filled, merl, read};
+use srbf_measured::read::{Content, Conventions, Filled, SheetSource, merl, read, sheet_of};
 use srbf_measured::table::{Brdf, Table};
-use std::f64::consts::PI;
+use std::f64::consts::{PI, SQRT_2};
+use std::fmt::Write;
 
 fn direction(theta: f64, phi: f64) -> [f64; 3] {
     let ((st, ct), (sp, cp)) = (theta.to_radians().sin_cos(), phi.to_radians().sin_cos());
@@ -138,6 +140,81 @@ fn holes_of_a_merl_file_are_filled_by_what_surrounds_them_and_stay_marked() {
     }
     let again = merl::parse(&export::merl(&filled).unwrap().bytes).unwrap().missing();
     assert!((again / missing - 1.0).abs() < 0.01, "{again} {missing}");
+}
+
+/// A table of light through a sheet, by the function of its viewer in front: of light to the front, of light to the back, or of both.
+/// Values have noise of 2 %.
+fn samples(through: &dyn Brdf, from_front: bool, from_behind: bool) -> String {
+    let mut text = "wi_x,wi_y,wi_z,wo_x,wo_y,wo_z,value\n".to_owned();
+    let mut row = |n: usize, light: [f64; 3], viewer: [f64; 3], is_front: bool| {
+        let value = if is_front { through.evaluate(viewer, light) } else { through.evaluate(light, viewer) };
+        let noise = 1.0 + 0.02 * libm::sin(12.9898 * n as f64) * SQRT_2;
+        let side = if is_front { 1.0 } else { -1.0 };
+        let ([a, b, c], [x, y, z]) = (light, viewer);
+        writeln!(text, "{a},{b},{},{x},{y},{},{}", side * c, -side * z, noise * value[1]).unwrap();
+    };
+    for is_front in
+        [true, false].into_iter().filter(|is_front| if *is_front { from_front } else { from_behind })
+    {
+        for (k, theta) in [0.0, 15.0, 30.0, 45.0, 60.0, 72.0].into_iter().enumerate() {
+            for n in 0..60 {
+                let height = (f64::from(n) + 0.5) / 60.0;
+                let viewer = direction(libm::acos(height).to_degrees().min(85.0), 137.508 * f64::from(n));
+                row(60 * k + n as usize, direction(theta, 0.0), viewer, is_front);
+            }
+        }
+    }
+    text
+}
+
+fn sheet(name: &str, text: &str) -> SheetSource {
+    let path = std::env::temp_dir().join(format!("srbf-sides-{}-{name}.csv", std::process::id()));
+    std::fs::write(&path, text).unwrap();
+    let sheet = sheet_of(&path, &Conventions::default(), true).unwrap().unwrap();
+    std::fs::remove_file(path).unwrap();
+    sheet
+}
+
+/// The median relative error near the way straight through.
+fn error(sheet: &SheetSource, quarter: Quarter, truth: &dyn Brdf) -> f64 {
+    let source = sheet.quarters[quarter as usize].as_ref().unwrap();
+    let Content::Evaluable(brdf) = &source.content else { panic!("{quarter:?} is not completed") };
+    let mut errors = Vec::new();
+    for theta in [8.0, 22.0, 37.0, 52.0, 66.0] {
+        for beside in [-12.0, -4.0, 4.0, 12.0] {
+            let (wi, wo) = (direction(theta + beside, 3.0), direction(theta, 180.0));
+            let (said, truth) = (brdf.evaluate(wi, wo)[1], truth.evaluate(wi, wo)[1]);
+            errors.push((said / truth - 1.0).abs());
+        }
+    }
+    errors.sort_by(f64::total_cmp);
+    errors[errors.len() / 2]
+}
+
+/// Ground glass that is rough in front (Walter et al. 2007), by light from the front alone and from both sides.
+#[test]
+fn sides_that_differ_are_told_apart_by_samples_of_one_way_and_of_both() {
+    let [front, back] =
+        [0, 1].map(|side| model(&format!("model:ground-glass:alpha=0.3,ior=1.5,behind={side}")));
+    for (name, [from_front, from_behind]) in [("both", [true, true]), ("behind", [false, true])] {
+        let sheet = sheet(name, &samples(front.as_ref(), from_front, from_behind));
+        assert!(!sheet.is_one_way(), "{name}");
+        let most = [
+            error(&sheet, Quarter::FrontTransmission, front.as_ref()),
+            error(&sheet, Quarter::BackTransmission, back.as_ref()),
+        ];
+        assert!(most.iter().all(|error| *error < 0.05), "{name}: {most:?}");
+    }
+}
+
+/// A highlight about the way straight through, as of a sheet of two faces that are alike.
+#[test]
+fn sides_that_are_alike_are_one_measurement() {
+    let even = model("model:ggx:alpha=0.3,f0=0.5,diffuse=0.1");
+    let sheet = sheet("even", &samples(even.as_ref(), true, true));
+    assert!(sheet.is_one_way());
+    let source = sheet.quarters[Quarter::FrontTransmission as usize].as_ref().unwrap();
+    assert_eq!(source.intake.as_ref().unwrap().rows.len(), 720);
 }
 
 /// Results with the measurements of the data folder, within a tenth: errors of samples and of views that are left out of the

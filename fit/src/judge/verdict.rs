@@ -479,7 +479,10 @@ impl Verdict {
         for criterion in CRITERIA.iter().filter(|criterion| !(is_dark && criterion.is_off_peak)) {
             verdict.say(criterion, report);
         }
-        verdict.say_reciprocity(reciprocity);
+        // Light through a sheet whose sides differ is reciprocal with the other transmission.
+        if report.completion.as_ref().is_none_or(|completion| !completion.sides) {
+            verdict.say_reciprocity(reciprocity);
+        }
         verdict.say_floor(report);
         verdict.say_appearance(report);
         verdict.say_gaps(report);

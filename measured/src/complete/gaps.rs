@@ -136,7 +136,8 @@ pub(super) fn gaps(table: &Table) -> Gaps {
 /// Looks where light through a sheet has no samples, as seen from the front.
 pub(super) fn gaps_of_sides(rows: &[Row]) -> Gaps {
     let azimuth = |d: [f64; 3]| libm::atan2(d[1], d[0]);
-    let sample = |row: &Row| (polar(row.wo), direction(polar(row.wi), PI + azimuth(row.wi) - azimuth(row.wo)));
+    let sample =
+        |row: &Row| (polar(row.wo), direction(polar(row.wi), PI + azimuth(row.wi) - azimuth(row.wo)));
     around(&thinned(rows.iter().map(sample).collect()).collect::<Vec<_>>())
 }
 

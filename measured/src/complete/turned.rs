@@ -4,6 +4,7 @@
 //! without them predicts left-out samples better. In the end an isotropic model, with a process over it, is held against it: both
 //! predict samples, and turns, that they did not see. So noise and a tilted sample make no surface anisotropic.
 
+use super::changes::Changes;
 use super::family::{models, unseen};
 use super::gaps::{gaps_of_sides, gaps_of_turned};
 use super::held_out::HeldOut;
@@ -14,7 +15,6 @@ use super::process::{Of, Process};
 use super::scale::Scale;
 use super::turn::{Kept, Turn};
 use super::{Completion, FEWEST, Model, completed, noises, width};
-use super::changes::Changes;
 use crate::FitError;
 use crate::complete::tuning::choice::OF_MODEL;
 use crate::complete::tuning::family::COMPARED_BESIDE;
@@ -204,7 +204,8 @@ impl Turned {
         for along in STRETCHES {
             for n in 0..AXES {
                 let turn = Turn::new(PI * n as f64 / AXES as f64, along, 1.0, Kept::default());
-                let (cost, model) = Microfacet::fits(&few.measurement(&turn.into()), scale, Family::OneLobe)[0];
+                let (cost, model) =
+                    Microfacet::fits(&few.measurement(&turn.into()), scale, Family::OneLobe)[0];
                 if best.as_ref().is_none_or(|best| cost < best.0) {
                     best = Some((cost, turn, model));
                 }
