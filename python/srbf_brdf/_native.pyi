@@ -46,6 +46,9 @@ class Material:
     @property
     def has_signed_factors(self) -> bool: ...
     @property
+    def report(self) -> dict[str, Any] | None:
+        """What its fit says of itself; None for a sheet that was read."""
+    @property
     def provenance(self) -> str: ...
     @property
     def has_spectrum(self) -> bool:
@@ -196,4 +199,22 @@ def fit(
     """Fits lobes to a measurement; a bar shows the progress, and Ctrl-C ends it.
 
     `symmetry` is of a function, "isotropic" if it is None; other sources have their own.
+    """
+
+def fit_sheet(
+    path: Path,
+    *,
+    band: Literal["visible", "solar", "infrared"] = "visible",
+    lobes: int = 12,
+    views: int | None = None,
+    bytes: int | None = None,
+    starts: int | None = None,
+    steps: int | None = None,
+    exchanges: int | None = None,
+    provenance: str = "",
+    progress: bool | Callable[[float], object] | None = None,
+) -> Sheet:
+    """Fits all quarters of a sheet: of a file of WINDOW or Radiance, or of samples in front and behind.
+
+    `band` is of a file of a window. `lobes`, `views` and `bytes` are those of each quarter.
     """

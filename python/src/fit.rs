@@ -2,6 +2,7 @@
 
 use crate::error;
 use crate::material::Material;
+use crate::sheet::Sheet;
 use crate::source::{Function, Stop, Stopped};
 use crate::table::{Table, name_of, symmetry_of, table};
 use pyo3::exceptions::{PyRuntimeError, PyValueError};
@@ -10,10 +11,12 @@ use pyo3::types::PyDict;
 use srbf_fit::judge::reciprocity::reciprocity;
 use srbf_fit::judge::report::Input;
 use srbf_fit::judge::verdict::Verdict;
-use srbf_fit::read::Content;
+use srbf_fit::read::window::Band;
+use srbf_fit::read::{Content, Conventions, sheet_of};
 use srbf_fit::table::Symmetry;
 use srbf_fit::{FactorNodes, Fit, FitError, Settings, fit_content, fit_source, in_threads};
 use std::panic::{AssertUnwindSafe, catch_unwind, resume_unwind};
+use std::path::PathBuf;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::sync::mpsc::{RecvTimeoutError, Sender, channel};
@@ -114,7 +117,10 @@ pub fn fit<'py>(
     };
 
     let show = py.import("srbf_brdf.progress")?.call_method1("show", (progress,))?;
-    let made = run(py, from, &settings, &stop, &show);
+    let made = run(py, &stop, &show, {
+        let settings = settings.clone();
+        move |progress| from.fit(&settings, progress)
+    });
     show.call_method0("close")?;
     let fit = made?;
     let material = Material::new(fit.bytes).map_err(error::value)?;
@@ -128,28 +134,94 @@ pub fn fit<'py>(
     Ok(material.fitted(json, words))
 }
 
+/// Fits all quarters of a sheet: of a file of a window (WINDOW, Radiance), or of samples in front and behind.
+///
+/// `band`: the part of the spectrum of a file of a window, "visible", "solar" or "infrared"; of samples, "visible". `lobes`, `views` and
+/// `bytes` are those of each quarter, and `progress` is as `fit` has it.
+#[pyfunction]
+#[pyo3(signature = (path, *, band = "visible", lobes = 12, views = None, bytes = None, starts = None, steps = None, exchanges = None,
+    provenance = "", progress = None))]
+#[allow(clippy::too_many_arguments)] // they are keywords, as Python has them
+pub fn fit_sheet<'py>(
+    py: Python<'py>,
+    path: PathBuf,
+    band: &str,
+    lobes: usize,
+    views: Option<usize>,
+    bytes: Option<usize>,
+    starts: Option<usize>,
+    steps: Option<usize>,
+    exchanges: Option<usize>,
+    provenance: &str,
+    progress: Option<&Bound<'py, PyAny>>,
+) -> PyResult<Sheet> {
+    let usual = Settings::default();
+    let mut settings = Settings {
+        lobes,
+        views,
+        bytes: bytes.unwrap_or(usual.bytes),
+        starts: starts.unwrap_or(usual.starts),
+        steps: steps.unwrap_or(usual.steps),
+        exchanges: exchanges.unwrap_or(usual.exchanges),
+        ..usual
+    };
+    settings.check().map_err(error::fit)?;
+    let conventions = Conventions { band: band_of(band)?, ..Conventions::default() };
+    let sheet = error::work(py, || sheet_of(&path, &conventions, true))?;
+    let sheet =
+        Arc::new(sheet.ok_or_else(|| PyValueError::new_err("a model is no sheet: a file is expected"))?);
+    settings.provenance = match provenance {
+        "" => format!("{} sha256 {}\n", sheet.name, sheet.sha256),
+        text => format!("{}\n", text.trim_end()),
+    };
+    let show = py.import("srbf_brdf.progress")?.call_method1("show", (progress,))?;
+    let stop = Stop::default();
+    let made = run(py, &stop, &show, {
+        let sheet = sheet.clone();
+        move |progress| srbf_fit::fit_sheet(&sheet, &settings, progress)
+    });
+    show.call_method0("close")?;
+    let fit = made?;
+    let report = fit.to_json(&sheet).to_string();
+    Sheet::fitted(fit.bytes, report)
+}
+
+fn band_of(name: &str) -> PyResult<Band> {
+    match name {
+        "visible" => Ok(Band::Visible),
+        "solar" => Ok(Band::Solar),
+        "infrared" => Ok(Band::Infrared),
+        _ => {
+            let text = format!("band: \"visible\", \"solar\" or \"infrared\" is expected, not {name:?}");
+            Err(PyValueError::new_err(text))
+        }
+    }
+}
+
 /// How the thread of a fit ends.
-type Ended = Result<Result<Fit, FitError>, Box<dyn std::any::Any + Send>>;
+type Ended<T> = Result<Result<T, FitError>, Box<dyn std::any::Any + Send>>;
+
+/// What is called with the share that is done, and ends a fit that is to stop.
+type Report<'a> = &'a mut (dyn FnMut(f64) + Send);
 
 /// Runs a fit in another thread, and shows its progress in this one.
-fn run(
+fn run<T: Send + 'static>(
     py: Python<'_>,
-    from: From,
-    settings: &Settings,
     stop: &Stop,
     show: &Bound<'_, PyAny>,
-) -> PyResult<Fit> {
-    let (sender, mut receiver): (Sender<Ended>, _) = channel();
+    fit: impl FnOnce(Report<'_>) -> Result<T, FitError> + Send + 'static,
+) -> PyResult<T> {
+    let (sender, mut receiver): (Sender<Ended<T>>, _) = channel();
     let share = Arc::new(AtomicU64::new(0f64.to_bits()));
     let thread = {
-        let (settings, stop, share) = (settings.clone(), stop.clone(), share.clone());
+        let (stop, share) = (stop.clone(), share.clone());
         move || {
-            let report = |done: f64| {
+            let mut report = |done: f64| {
                 stop.check();
                 share.store(done.to_bits(), Ordering::Relaxed);
             };
             // On threads that a forked child has too.
-            let fit = || in_threads(|| from.fit(&settings, report)).and_then(|fit| fit);
+            let fit = || in_threads(|| fit(&mut report)).and_then(|fit| fit);
             let ended = catch_unwind(AssertUnwindSafe(fit));
             // Nobody listens any more if the fit was interrupted.
             let _ = sender.send(ended);

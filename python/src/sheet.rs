@@ -21,6 +21,15 @@ const NAMES: [&str; 4] = ["front_reflection", "front_transmission", "back_reflec
 #[pyclass(frozen, module = "srbf_brdf")]
 pub struct Sheet {
     sheet: srbf_core::Sheet<Vec<u8>>,
+    /// The report of its fit, JSON; of a sheet that was just fitted.
+    report: Option<String>,
+}
+
+impl Sheet {
+    /// The sheet of a fit.
+    pub fn fitted(bytes: Vec<u8>, report: String) -> PyResult<Self> {
+        Ok(Self { report: Some(report), ..Self::from_bytes(bytes)? })
+    }
 }
 
 #[pymethods]
@@ -28,13 +37,13 @@ impl Sheet {
     /// Reads a `.srbf` file.
     #[staticmethod]
     fn load(path: PathBuf) -> PyResult<Self> {
-        Ok(Self { sheet: loaded(&path, srbf_core::Sheet::from_bytes)? })
+        Ok(Self { sheet: loaded(&path, srbf_core::Sheet::from_bytes)?, report: None })
     }
 
     /// Takes the bytes of a `.srbf` file.
     #[staticmethod]
     fn from_bytes(bytes: Vec<u8>) -> PyResult<Self> {
-        Ok(Self { sheet: srbf_core::Sheet::from_bytes(bytes).map_err(error::value)? })
+        Ok(Self { sheet: srbf_core::Sheet::from_bytes(bytes).map_err(error::value)?, report: None })
     }
 
     /// Puts materials together; `symmetric`: the back is like the front.
@@ -81,6 +90,13 @@ impl Sheet {
     #[getter]
     fn is_symmetric(&self) -> bool {
         self.sheet.is_symmetric()
+    }
+
+    /// What its fit says of itself, as a dict: where light goes by angle, and how far patches are apart; None for a sheet that was read.
+    #[getter]
+    fn report<'py>(&self, py: Python<'py>) -> PyResult<Option<Bound<'py, PyAny>>> {
+        let parse = |json: &String| py.import("json")?.call_method1("loads", (json,));
+        self.report.as_ref().map(parse).transpose()
     }
 
     /// Where it comes from, as its maker wrote it.

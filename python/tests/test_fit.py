@@ -237,3 +237,24 @@ def test_factors_by_their_nodes():
     assert not srbf.fit(model, lobes=3, factors=(8, 4, 3), **QUICK).has_signed_factors
     with pytest.raises(ValueError, match="24x6x5s"):
         srbf.fit(model, lobes=3, factors="many", **QUICK)
+
+
+def test_a_sheet_is_fitted(tmp_path):
+    through = srbf.read("model:ground-glass:alpha=0.4,ior=1.5,behind=0")
+    rows = ["wi_x,wi_y,wi_z,wo_x,wo_y,wo_z,value"]
+    wo, wi, _ = spread(300)
+    keep = (wo[:, 2] > 0.2) & (wi[:, 2] > 0.2)
+    # Light from behind, as a viewer in front sees it.
+    for o, i, value in zip(wo[keep], wi[keep], through.evaluate(wo[keep], wi[keep])[:, 1] / wi[keep][:, 2]):
+        rows.append(f"{i[0]},{i[1]},{-i[2]},{o[0]},{o[1]},{o[2]},{value}")
+    path = tmp_path / "glass.csv"
+    path.write_text("\n".join(rows))
+    shares = []
+    sheet = srbf.fit_sheet(path, lobes=4, views=4, starts=1, steps=8, exchanges=0, progress=shares.append)
+    assert sheet.quarter("front_reflection") is None and sheet.quarter("front_transmission") is not None
+    assert shares and sheet.report["bytes"] == len(sheet.to_bytes()) and "glass.csv" in sheet.provenance
+    assert srbf.Sheet.from_bytes(sheet.to_bytes()).report is None
+    with pytest.raises(ValueError, match="band"):
+        srbf.fit_sheet(path, band="red")
+    with pytest.raises(ValueError, match="a model is no sheet"):
+        srbf.fit_sheet("model:ggx:alpha=0.2")
