@@ -111,7 +111,8 @@ fn fit_once(
     }
     let bytes = encoded(stored, is_symmetric, &settings.provenance)?;
     let mut fitted: [Option<PatchMatrix>; 4] = [const { None }; 4];
-    let data = |place: usize| window.and_then(|window| window.quarters[place].as_ref());
+    let data =
+        |place: usize| window.and_then(|window| window.quarters[place].as_ref().map(|own| &own.matrix));
     for (place, fitted) in fitted.iter_mut().enumerate() {
         let material = materials[place & if is_symmetric { 1 } else { 3 }].as_ref();
         let means = data(place).zip(material).map(|(d, m)| means_over(&d.outgoing, &d.incident, m));
@@ -196,9 +197,15 @@ pub fn klems_of(material: &Material<impl AsRef<[u8]>>) -> Result<PatchMatrix, Fi
 /// Whether the back is like the front, as far as patches tell.
 fn is_symmetric(sheet: &SheetSource) -> bool {
     let Some(window) = sheet.window() else { return false };
-    let is_like = |front: usize, back: usize| match (&window.quarters[front], &window.quarters[back]) {
-        (Some(a), Some(b)) => a.outgoing == b.outgoing && a.incident == b.incident && a.distance(b) <= LIKE,
-        (None, None) => true,
+    let is_like = |front: usize, back: usize| match [front, back].map(|n| window.quarters[n].as_ref()) {
+        [Some(a), Some(b)] => {
+            let is_alike = |n: usize| {
+                let (a, b) = (a.band(n), b.band(n));
+                a.outgoing == b.outgoing && a.incident == b.incident && a.distance(b) <= LIKE
+            };
+            (0..3).all(is_alike)
+        }
+        [None, None] => true,
         _ => false,
     };
     is_like(0, 2) && is_like(1, 3)

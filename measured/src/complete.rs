@@ -20,7 +20,7 @@
 //! May import: `error`, `numeric`, `row`, `table`.
 
 mod changes;
-mod color;
+pub(crate) mod color;
 mod energy;
 mod family;
 mod gaps;

@@ -3,13 +3,19 @@
 //! A patch is not a point: a value read as one at the middle of its patch is wrong wherever the function changes within a patch. So the
 //! function is made such that its means over the patches are the values.
 //!
-//! May import: `table`.
+//! A tensor tree has cells that are finer than patches, and is a function by itself.
+//!
+//! May import: `complete`, `table`.
 
 mod basis;
 mod of_patches;
+mod scatter;
+mod tree;
 
 pub use basis::{Basis, Ring};
 pub use of_patches::OfPatches;
+pub use scatter::{Chroma, ColorTree, Scatter};
+pub use tree::Tree;
 
 /// The values of one quarter of a sheet.
 ///
@@ -34,6 +40,21 @@ impl PatchMatrix {
             let count = points.len() as f64;
             points.into_iter().map(|wo| f(wi, wo)).sum::<f64>() / count
         })
+    }
+
+    /// The values of a function over the patches of Klems, as [`of`](Self::of), of points of `side` along each side of a patch.
+    fn of_klems(side: usize, f: impl Fn([f64; 3], [f64; 3]) -> f64) -> Self {
+        let basis = Basis::klems_full();
+        let points: Vec<_> = (0..basis.len()).map(|r| basis.spread(r, side)).collect();
+        Self::with(&basis, &basis, |r, c| {
+            let wi = basis.light(c);
+            points[r].iter().map(|wo| f(wi, *wo)).sum::<f64>() / points[r].len() as f64
+        })
+    }
+
+    /// All values times a factor.
+    fn scale(&mut self, factor: f64) {
+        self.values.iter_mut().for_each(|v| *v *= factor);
     }
 
     /// The values of a function at the middles of the patches.

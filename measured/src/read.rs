@@ -247,7 +247,7 @@ fn of_bytes(path: &Path, bytes: &[u8], conventions: &Conventions) -> Result<Sour
             let words = window::words(quarter);
             let black = || format!("nothing is seen there: the {words} is black, or not in the file");
             let brdf = window.brdf(quarter).ok_or_else(|| fault(ReadError::Content(black())))?;
-            Ok(Source::evaluable(Box::new(brdf), name, sha256))
+            Ok(Source::evaluable(brdf, name, sha256))
         }
         format => {
             let intake = intake(path, bytes, format, conventions)?;
@@ -262,7 +262,7 @@ fn of_bytes(path: &Path, bytes: &[u8], conventions: &Conventions) -> Result<Sour
 /// The samples of a file.
 fn intake(path: &Path, bytes: &[u8], format: Format, conventions: &Conventions) -> Result<Intake, FitError> {
     let fault = |source| FitError::Read { path: path.to_path_buf(), source };
-    if conventions.band != window::Band::Visible {
+    if !conventions.band.is_visible() {
         let text = "a band of the spectrum is one of a file of a window; --wavelengths chooses of spectra";
         return Err(fault(ReadError::Content(text.into())));
     }

@@ -63,7 +63,7 @@ pub(super) fn xyz(rgb: [f64; 3]) -> [f64; 3] {
 }
 
 /// Linear sRGB of XYZ over that of white.
-pub(super) fn rgb(xyz: [f64; 3]) -> [f64; 3] {
+pub(crate) fn rgb(xyz: [f64; 3]) -> [f64; 3] {
     times(&TO_RGB, xyz)
 }
 

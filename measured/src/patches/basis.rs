@@ -123,18 +123,23 @@ impl Basis {
 
     /// Directions within a patch, each of which stands for the same projected solid angle.
     pub fn points(&self, patch: usize) -> Vec<[f64; 3]> {
+        self.spread(patch, SIDE)
+    }
+
+    /// The same, of so many points along each side.
+    pub(super) fn spread(&self, patch: usize, side: usize) -> Vec<[f64; 3]> {
         let ring = self.rings[self.place(patch).0];
         let [low, high] = ring.ends.map(|end| libm::sin(end).powi(2));
         let width = TAU / ring.count as f64;
-        let middle = |n: usize| (n as f64 + 0.5) / SIDE as f64;
+        let middle = |n: usize| (n as f64 + 0.5) / side as f64;
         // A patch all round the normal has as many azimuths as its border needs.
-        let around = if ring.count == 1 { 4 * SIDE } else { SIDE };
+        let around = if ring.count == 1 { 4 * side } else { side };
         let point = |i: usize, j: usize| {
             let theta = libm::asin(libm::sqrt(low + (high - low) * middle(i)).min(1.0));
             let turn = (j as f64 + 0.5) / around as f64 - 0.5;
             direction(theta, self.azimuth(patch) + width * turn)
         };
-        (0..SIDE).flat_map(|i| (0..around).map(move |j| (i, j))).map(|(i, j)| point(i, j)).collect()
+        (0..side).flat_map(|i| (0..around).map(move |j| (i, j))).map(|(i, j)| point(i, j)).collect()
     }
 
     /// The patch that holds a direction above the horizon.

@@ -66,7 +66,7 @@ impl Default for Conventions {
             divide: 1.0,
             wavelengths: None,
             quarter: Quarter::FrontReflection,
-            band: Band::Visible,
+            band: Band::default(),
         }
     }
 }

@@ -28,7 +28,7 @@ pub struct SheetSource {
 
 enum Origin {
     /// Patches, whose values are means.
-    Window(Window),
+    Window(Box<Window>),
     /// A file that is read again where its values have to be lower.
     Samples { file: PathBuf, bytes: Vec<u8>, conventions: Conventions },
 }
@@ -83,10 +83,10 @@ pub fn sheet_of(
     let (name, sha256) = (name_of(path), sha256(&bytes));
     let source = |quarter| {
         let brdf = window.brdf(quarter)?;
-        Some(Source::evaluable(Box::new(brdf), name.clone(), sha256.clone()))
+        Some(Source::evaluable(brdf, name.clone(), sha256.clone()))
     };
     let quarters = Quarter::ALL.map(source);
-    Ok(Some(SheetSource { quarters, name, sha256, origin: Origin::Window(window) }))
+    Ok(Some(SheetSource { quarters, name, sha256, origin: Origin::Window(Box::new(window)) }))
 }
 
 /// One transmission by its own samples: that of which light the other way was not measured.

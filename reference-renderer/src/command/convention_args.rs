@@ -36,16 +36,9 @@ pub struct ConventionArgs {
     /// [default: the reflection of the front; `fit` of a file of a window: all]
     #[arg(long, value_name = "WHICH", value_parser = PossibleValuesParser::new(QUARTERS).map(quarter))]
     quarter: Option<Quarter>,
-    /// Of a file of a window, the part of the spectrum
-    #[arg(long, value_name = "NAME", default_value = "visible", hide_default_value = true)]
-    band: BandName,
-}
-
-#[derive(Clone, Copy, Debug, clap::ValueEnum)]
-enum BandName {
-    Visible,
-    Solar,
-    Infrared,
+    /// Of a file of a window, the part of the spectrum: visible (in colour where the file has some), solar, infrared, or a name in the file
+    #[arg(long, value_name = "NAME", value_parser = Band::parse, default_value = "visible", hide_default_value = true)]
+    band: Band,
 }
 
 #[derive(Clone, Copy, Debug, clap::ValueEnum)]
@@ -123,11 +116,7 @@ impl ConventionArgs {
             divide: self.divide,
             wavelengths: self.wavelengths,
             quarter: self.quarter.unwrap_or(Quarter::FrontReflection),
-            band: match self.band {
-                BandName::Visible => Band::Visible,
-                BandName::Solar => Band::Solar,
-                BandName::Infrared => Band::Infrared,
-            },
+            band: self.band,
         }
     }
 }

@@ -135,9 +135,9 @@ fn write_window(args: &Args) -> anyhow::Result<()> {
         }
     } else if let Some(sheet) = sheet_of(&args.input, &conventions, false)? {
         sheet.quarters.each_ref().map(|source| match &source.as_ref()?.content {
-            Content::Evaluable(brdf) => {
-                Some(PatchMatrix::of(&basis, &basis, |wi, wo| brdf.evaluate(wi, wo)[0]))
-            }
+            Content::Evaluable(brdf) => Some(PatchMatrix::of(&basis, &basis, |wi, wo| {
+                srbf_fit::table::luminance(brdf.evaluate(wi, wo))
+            })),
             Content::Samples(_) => None,
         })
     } else {

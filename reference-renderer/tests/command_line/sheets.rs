@@ -139,19 +139,28 @@ fn no_more_light_leaves_than_falls_on_it() {
 #[test]
 fn a_window_is_fitted_and_written_again() {
     let place = folder("sheet-window");
-    let small = concat!(env!("CARGO_MANIFEST_DIR"), "/../tests/corpus/small.xml");
-    std::fs::copy(small, place.join("small.xml")).unwrap();
-    let fit = [&["fit", "small.xml", "--no-picture", "-o", "small.srbf"], &FEW[..]].concat();
-    let words = said(&place, &fit);
-    assert!(words.contains("share reflected and transmitted"), "{words}");
-    let inspected = said(&place, &["inspect", "small.srbf"]);
-    assert!(
-        inspected.contains("a sheet") && inspected.contains("small.srbf:front-transmission"),
-        "{inspected}"
+    for name in ["small", "tree3"] {
+        let corpus = Path::new(env!("CARGO_MANIFEST_DIR")).join("../tests/corpus");
+        std::fs::copy(corpus.join(format!("{name}.xml")), place.join(format!("{name}.xml"))).unwrap();
+        let (file, fitted) = (format!("{name}.xml"), format!("{name}.srbf"));
+        let fit = [&["fit", &file, "--no-picture", "-o", &fitted], &FEW[..]].concat();
+        let words = said(&place, &fit);
+        assert!(words.contains("share reflected and transmitted"), "{words}");
+        let inspected = said(&place, &["inspect", &fitted]);
+        let quarter = format!("{fitted}:front-transmission");
+        assert!(inspected.contains("a sheet") && inspected.contains(&quarter), "{inspected}");
+        let written = said(&place, &["convert", &fitted, &format!("{name}-again.xml")]);
+        assert!(written.contains("matrices of 145 x 145 patches"), "{written}");
+    }
+    said(&place, &["look", "tree3.xml", "--quarter", "back-transmission"]);
+    let bands = "it has Visible, CIE-u, CIE-v";
+    refused(&place, &["fit", "tree3.xml", "--band", "solar"], &["tree3.xml", bands]);
+    refused(&place, &["look", "tree3.xml", "--band", "mauve"], &["tree3.xml", bands]);
+    refused(
+        &place,
+        &["fit", "small-again.xml", "--cross-validate"],
+        &["small-again.xml", "--cross-validate"],
     );
-    let written = said(&place, &["convert", "small.srbf", "again.xml"]);
-    assert!(written.contains("matrices of 145 x 145 patches"), "{written}");
-    refused(&place, &["fit", "again.xml", "--cross-validate"], &["again.xml", "--cross-validate"]);
     refused(&place, &["convert", "small.srbf", "small.binary"], &["small.srbf"]);
 }
 

@@ -96,6 +96,8 @@ fn files() -> Files {
     }
     add("csv/rotation", ROTATION.as_bytes());
     add("window/both-sides", include_bytes!("../../corpus/small.xml"));
+    add("window/tree-of-three", include_bytes!("../../corpus/tree3.xml"));
+    add("window/tree-of-four", include_bytes!("../../corpus/tree4.xml"));
     // Half plane waves: enough to be no constant.
     let weights = |n: usize| ((n as f32 * 0.7).sin() * 0.3).to_le_bytes();
     add("neural/one", &(0..675).flat_map(weights).collect::<Vec<u8>>());
