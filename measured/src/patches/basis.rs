@@ -126,7 +126,7 @@ impl Basis {
         self.spread(patch, SIDE)
     }
 
-    /// The same, of so many points along each side.
+    /// The same, of `side` points along each side.
     pub(super) fn spread(&self, patch: usize, side: usize) -> Vec<[f64; 3]> {
         let ring = self.rings[self.place(patch).0];
         let [low, high] = ring.ends.map(|end| libm::sin(end).powi(2));

@@ -1,6 +1,6 @@
 //! Tensor trees of Radiance: values over squares that both directions are mapped to, in cells that are finer where values change.
 //!
-//! A direction is a point of the disk that it is projected to, and the disk is a square by the map of Shirley and Chiu (1997), which keeps areas. So
+//! A direction is a point of the disk that it is projected to. The map of Shirley and Chiu (1997) makes a square of the disk, and keeps areas. So
 //! equal cells are equal projected solid angles. A tree of four dimensions has the squares of both directions: of the one in which light
 //! travels, and of the outgoing one. A tree of three dimensions is that of an isotropic sheet: the first dimension is the angle of
 //! the light, and the outgoing direction is turned with it, so that light travels towards +x.
@@ -36,7 +36,7 @@ impl Tree {
     /// below 0 are 0.
     ///
     /// # Errors
-    /// What is wrong, and at which number; also for more than [`MOST_DEPTH`](Self::MOST_DEPTH) halvings.
+    /// A text with the fault and its place; also for more than [`MOST_DEPTH`](Self::MOST_DEPTH) halvings.
     pub fn parse(text: &str, rank: usize, range: std::ops::RangeInclusive<f64>) -> Result<Self, String> {
         let tree = Self { rank, cells: vec![Cell { mean: 0.0, first: 0 }], depth: 0 };
         let mut reader = Reader { rest: text, count: 0, range, tree };

@@ -30,7 +30,7 @@ enum Origin {
     /// Patches, whose values are means.
     Window(Box<Window>),
     /// A file that is read again where its values have to be lower.
-    Samples { file: PathBuf, bytes: Vec<u8>, conventions: Conventions },
+    Samples { file: PathBuf, bytes: Vec<u8>, conventions: Box<Conventions> },
 }
 
 impl SheetSource {
@@ -53,7 +53,7 @@ impl SheetSource {
     /// As [`sheet_of`].
     pub fn dimmed(&self, share: f64) -> Result<Option<Self>, FitError> {
         let Origin::Samples { file, bytes, conventions } = &self.origin else { return Ok(None) };
-        let conventions = Conventions { divide: conventions.divide / share, ..*conventions };
+        let conventions = Conventions { divide: conventions.divide / share, ..**conventions };
         of_samples(file, bytes.clone(), &conventions).map(Some)
     }
 }
@@ -209,6 +209,6 @@ fn of_samples(path: &Path, bytes: Vec<u8>, conventions: &Conventions) -> Result<
     let ways = [through, other_way].map(|intake| intake.map(Intake::of_quarter));
     let [through, other_way] = transmissions(ways, &name, &sha256)?;
     let quarters = [source(front)?, through, source(back)?, other_way];
-    let origin = Origin::Samples { file: path.to_path_buf(), bytes, conventions: *conventions };
+    let origin = Origin::Samples { file: path.to_path_buf(), bytes, conventions: Box::new(*conventions) };
     Ok(SheetSource { quarters, name, sha256, origin })
 }

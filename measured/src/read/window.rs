@@ -7,7 +7,7 @@
 //! exchanged.
 //!
 //! Visible light has colours where the file has CIE-X and CIE-Z, or CIE-u and CIE-v, beside it. A band is the mean of a spectrum by its
-//! own weights. So X, Y and Z are over those of white, and are equal for what is grey.
+//! own weights. So X, Y and Z are over those of white, and a grey colour has the same of all three.
 
 mod band;
 
@@ -188,7 +188,7 @@ enum Order {
     Columns,
     /// A row for each.
     Rows,
-    /// Tensor trees of so many dimensions.
+    /// Tensor trees of this number of dimensions.
     Tree(usize),
 }
 
@@ -528,7 +528,7 @@ mod tests {
         };
         let is = |a: [f64; 3], b: [f64; 3]| (0..3).all(|n| (a[n] - b[n]).abs() < 1e-4);
         assert!(is(value(&grey, "visible").unwrap(), [0.1; 3]));
-        // What is equal in all bands, and at the point of equal energy, is grey.
+        // A colour with equal bands, and one at the point of equal energy, is grey.
         let xz = |x: &'static str, z: &'static str| {
             [grey[0], ("CIE-X", "Reflection Front", x), ("CIE-Z", "Reflection Front", z)]
         };
