@@ -1,17 +1,18 @@
 //! What `srbf-core` says of pairs of directions, for tests of what says the same elsewhere: in Python, in shaders.
 //!
-//!     reference MATERIAL.srbf < in > out
+//!     reference FILE.srbf < in > out
 //!
 //! Little-endian f32. In: nine rows of n numbers, x y z of `wo`, of `wi`, and three uniform numbers. Out: fourteen rows: value (3) and
-//! density (1) at `wi`; direction (3), density (1) and weight (3) of the sample; albedo (3).
+//! density (1) at `wi`; direction (3), density (1) and weight (3) of the sample; albedo (3), of a sheet that of the half in which `wi` lies.
 
-use srbf_core::{Draws, MAX_LOBES, Material, Mixture, Towards};
+use srbf_core::{Draws, MAX_LOBES, Mixture, SheetMixture, Towards};
+use srbf_evaluator::Surface;
 use std::error::Error;
 use std::io::{Read, Write, stdin, stdout};
 
 fn main() -> Result<(), Box<dyn Error>> {
     let path = std::env::args().nth(1).ok_or("the name of a material is expected")?;
-    let material = Material::from_bytes(std::fs::read(path)?)?;
+    let surface = Surface::from_bytes(std::fs::read(path)?)?;
     let mut bytes = Vec::new();
     stdin().read_to_end(&mut bytes)?;
     let numbers: Vec<f32> = bytes.as_chunks().0.iter().map(|b| f32::from_le_bytes(*b)).collect();
@@ -32,13 +33,30 @@ fn main() -> Result<(), Box<dyn Error>> {
         weight: Some([next(), next(), next()]),
     };
     let albedo = [next(), next(), next()];
-    material.ask(wo, Towards { wi, value: Some(value), pdf: Some(pdf) }.into())?;
-    material.ask(wo, samples.into())?;
-    let mut mixture = Mixture::<MAX_LOBES>::empty();
-    for i in 0..n {
-        material.prepare([wo[0][i], wo[1][i], wo[2][i]], &mut mixture)?;
-        let found = mixture.albedo().to_array();
-        (0..3).for_each(|c| albedo[c][i] = found[c]);
+    let towards = Towards { wi, value: Some(value), pdf: Some(pdf) };
+    let of = |i: usize| [wo[0][i], wo[1][i], wo[2][i]];
+    match &surface {
+        Surface::Material(material) => {
+            material.ask(wo, towards.into())?;
+            material.ask(wo, samples.into())?;
+            let mut mixture = Mixture::<MAX_LOBES>::empty();
+            for i in 0..n {
+                material.prepare(of(i), &mut mixture)?;
+                let found = mixture.albedo().to_array();
+                (0..3).for_each(|c| albedo[c][i] = found[c]);
+            }
+        }
+        Surface::Sheet(sheet) => {
+            sheet.ask(wo, towards.into())?;
+            sheet.ask(wo, samples.into())?;
+            let mut pair = SheetMixture::<MAX_LOBES>::empty();
+            for i in 0..n {
+                sheet.prepare(of(i), &mut pair)?;
+                let is_transmission = (wo[2][i] < 0.0) != (wi[2][i] < 0.0);
+                let found = pair.albedos()[usize::from(is_transmission)].to_array();
+                (0..3).for_each(|c| albedo[c][i] = found[c]);
+            }
+        }
     }
     let bytes: Vec<u8> = out.iter().flatten().flat_map(|v| v.to_le_bytes()).collect();
     stdout().write_all(&bytes)?;

@@ -1,8 +1,7 @@
-//! Writes the text of a language to standard output: `write LANGUAGE [MATERIAL.srbf]`, with a material's words if one is named; `json` is one
-//! more language then.
+//! Writes the text of a language to standard output: `write LANGUAGE [FILE.srbf]`, with the words of a material or a sheet if one is named;
+//! `json` is one more language then. `write LANGUAGE sheet` writes the text with the functions of a sheet.
 
-use srbf_core::Material;
-use srbf_evaluator::{Language, export, json, text};
+use srbf_evaluator::{Language, Surface, sheet_text, text};
 use std::error::Error;
 
 fn main() -> Result<(), Box<dyn Error>> {
@@ -11,11 +10,12 @@ fn main() -> Result<(), Box<dyn Error>> {
     let language = Language::from_name(&name);
     let written = match (language, arguments.next()) {
         (Some(language), None) => text(language),
+        (Some(language), Some(word)) if word == "sheet" => sheet_text(language),
         (language, Some(path)) => {
-            let material = Material::from_bytes(std::fs::read(path)?)?;
+            let surface = Surface::from_bytes(std::fs::read(path)?)?;
             match language {
-                Some(language) => export(&material, language),
-                None if name == "json" => json(&material),
+                Some(language) => surface.export(language),
+                None if name == "json" => surface.json(),
                 None => return Err(format!("{name}: no such language").into()),
             }
         }

@@ -2,7 +2,7 @@
 
 use crate::language::Language;
 use crate::rewrite::text;
-use srbf_core::{Material, printable, printable_lines};
+use srbf_core::{Material, Quarter, Sheet, printable, printable_lines};
 use std::borrow::Cow;
 use std::fmt::Write;
 
@@ -35,7 +35,12 @@ pub fn plain_bytes(material: &Material<impl AsRef<[u8]>>) -> Cow<'_, [u8]> {
 ///
 /// In C++, CUDA and Metal `srbf_material(srbf_data)` is the material; elsewhere `srbf_material(0)`, and `srbf_word` is defined.
 pub fn export(material: &Material<impl AsRef<[u8]>>, language: Language) -> String {
-    let words: Vec<u32> = plain_bytes(material).chunks(4).map(word).collect();
+    written(&plain_bytes(material), material.provenance(), &text(language), language)
+}
+
+/// Writes a text with bytes as its constants.
+pub(crate) fn written(bytes: &[u8], provenance: &str, text: &str, language: Language) -> String {
+    let words: Vec<u32> = bytes.chunks(4).map(word).collect();
     let mut list = String::new();
     for line in words.chunks(LINE) {
         let line: Vec<String> = line.iter().map(|word| format!("0x{word:08x}u")).collect();
@@ -43,7 +48,7 @@ pub fn export(material: &Material<impl AsRef<[u8]>>, language: Language) -> Stri
         let _ = writeln!(list, "    {},", line.join(", "));
     }
     let list = list.trim_end().trim_end_matches(',');
-    let provenance = comments(material.provenance());
+    let provenance = comments(provenance);
     let n = words.len();
     let (before, after) = match language {
         Language::Glsl => (
@@ -75,7 +80,7 @@ pub fn export(material: &Material<impl AsRef<[u8]>>, language: Language) -> Stri
             ),
         ),
     };
-    format!("{provenance}{before}{}{after}", text(language))
+    format!("{provenance}{before}{text}{after}")
 }
 
 /// A text of a stranger, as much of it as an export holds.
@@ -167,6 +172,30 @@ pub fn json(material: &Material<impl AsRef<[u8]>>) -> String {
         material.has_signed_factors(),
         nodes.join(", "),
         views.join(",\n")
+    )
+}
+
+/// A sheet as JSON: its quarters by name.
+pub(crate) fn json_of_sheet(sheet: &Sheet<impl AsRef<[u8]>>, names: [&str; 4]) -> String {
+    let shares = [1.0, -1.0].map(|side| {
+        let share = |n: u8| {
+            let height = f32::from(n) / 15.0;
+            format!("{:?}", sheet.reflected_share([(1.0 - height * height).sqrt(), 0.0, side * height]))
+        };
+        (0..16).map(share).collect::<Vec<_>>().join(", ")
+    });
+    let quarters = Quarter::ALL.map(|quarter| {
+        let own = sheet.quarter(quarter).map_or_else(|| "null".to_owned(), |material| json(&material));
+        format!("  \"{}\": {}", names[quarter as usize], own.trim_end())
+    });
+    format!(
+        "{{\n  \"by\": \"srbf {}\",\n  \"is_symmetric\": {},\n  \"provenance\": {},\n  \"reflected_shares\": [[{}], [{}]],\n{}\n}}\n",
+        env!("CARGO_PKG_VERSION"),
+        sheet.is_symmetric(),
+        quoted(&printable_lines(&bounded(sheet.provenance())).to_string()),
+        shares[0],
+        shares[1],
+        quarters.join(",\n")
     )
 }
 

@@ -115,6 +115,14 @@ impl Language {
         }
     }
 
+    /// What stands before the end of a text of sheets.
+    pub(crate) const fn sheet_check(self) -> &'static str {
+        match self {
+            Self::Cuda | Self::Cpp => include_str!("sheet.hpp"),
+            _ => "",
+        }
+    }
+
     /// What stands after it.
     pub(crate) const fn tail(self) -> &'static str {
         match self {

@@ -7,14 +7,32 @@ use crate::wgsl;
 /// The text itself.
 const TEXT: &str = include_str!("srbf.inc");
 
+/// What stands behind it for sheets.
+const SHEET: &str = include_str!("sheet.inc");
+
+/// Objects that C++ passes by reference, as parameters of the text.
+const OBJECTS: [&str; 5] = ["SrbfMaterial m", "SrbfView v", "SrbfSheet s", "SrbfHalf h", "SrbfSheetView v"];
+
 /// Writes the text out, with the prelude of the language and without a material.
 ///
 /// In C++ and CUDA a material is a pointer to its words, in Metal one to `device` memory. Elsewhere it is a number of the caller's, by which
 /// a function of the caller's, `srbf_word`, finds the words.
 pub fn text(language: Language) -> String {
-    let body: String = TEXT.lines().filter_map(|line| rewritten(line, language)).collect();
-    let body = if language == Language::Wgsl { wgsl::declarations(&body) } else { body };
-    format!("{}{body}{}", language.head(), language.tail())
+    format!("{}{}{}", language.head(), body(TEXT, language), language.tail())
+}
+
+/// Writes the text out with the functions of a sheet behind those of a material; else as [`text`].
+///
+/// A quarter lies within the words of its sheet: word `i` of `data + n` has to be word `n + i` of `data`, where `srbf_word` is the caller's.
+pub fn sheet_text(language: Language) -> String {
+    let [material, sheet] = [TEXT, SHEET].map(|text| body(text, language));
+    format!("{}{material}{sheet}{}{}", language.head(), language.sheet_check(), language.tail())
+}
+
+/// Lines of a text in a language.
+fn body(text: &str, language: Language) -> String {
+    let body: String = text.lines().filter_map(|line| rewritten(line, language)).collect();
+    if language == Language::Wgsl { wgsl::declarations(&body) } else { body }
 }
 
 /// A line of the text, with its end; `None` if the language has no use for it.
@@ -28,11 +46,9 @@ fn rewritten(line: &str, language: Language) -> Option<String> {
         code = replace_word(&code, "LOBE", "SRBF_LOBE");
         code = replace_word(&code, "KEEP", "SRBF_KEEP");
         if code.starts_with("FN") {
-            code = code
-                .replace("(SrbfMaterial m", "(const SrbfMaterial &m")
-                .replace("SrbfView v", "const SrbfView &v");
-            // The result is no parameter.
-            code = code.replace("FN const SrbfView &v", "FN SrbfView v");
+            for object in OBJECTS {
+                code = replace_word(&code, object, &format!("const {}", object.replace(' ', " &")));
+            }
         }
     } else {
         if code.trim() == "LOBES" || code.trim_start().starts_with("KEEP(") {
@@ -50,6 +66,12 @@ fn rewritten(line: &str, language: Language) -> Option<String> {
         false => format!("srbf_word({}, {})", a[0], a[1]),
     };
     code = rewrite(&code, "WORD", word);
+    let is_signed = language.has_pointers() || language == Language::Glsl;
+    let place = |a: &[&str]| match is_signed {
+        true => format!("{} + {}", a[0], a[1]),
+        false => format!("{} + UINT({})", a[0], a[1]),
+    };
+    code = rewrite(&code, "PLACE", place);
     if language.has_pointers() {
         code = suffix_numbers(&code);
     }

@@ -1,15 +1,39 @@
 // Evaluates and draws by the text alone. From standard input, again and again until it ends: a number of bytes, the bytes of a .srbf file, a
 // number n, and nine rows of n f32 as evaluator/examples/reference.rs has them. To standard output: the answer of `srbf_check`, and, if that
-// is 0, the rows of that program the power of the mixture, and the primary at 300 + 700 u nm, u the first uniform number.
+// is 0, the rows of that program the power of the mixture, and the primary at 300 + 700 u nm, u the first uniform number. Of a sheet the power
+// is that of both halves, and the primary that of the half of the light.
 #include "text"
 #include <stdio.h>
 #include <vector>
 #ifdef __METAL__
 typedef float3 vec3;
 static int srbf_check(const uint32_t *, size_t) { return 0; }
+static int srbf_check_sheet(const uint32_t *, size_t) { return 0; }
 #else
 using namespace srbf_device;
 #endif
+
+struct Answer {
+    SrbfValue f;
+    SrbfSample s;
+    vec3 albedo, primary;
+    float power;
+};
+
+static Answer of_material(const uint32_t *words, vec3 wo, vec3 wi, vec3 u) {
+    SrbfMaterial m = srbf_material(words);
+    SrbfView v = srbf_prepare(m, wo);
+    return {srbf_evaluate(m, v, wi), srbf_sample(m, v, u), srbf_albedo(m, v), srbf_primary(m, 300 + 700 * u.x), v.power};
+}
+
+static Answer of_sheet(const uint32_t *words, vec3 wo, vec3 wi, vec3 u) {
+    SrbfSheet s = srbf_sheet(words);
+    SrbfSheetView v = srbf_sheet_prepare(s, wo);
+    auto power = [](const SrbfHalf &h) { return h.view.wo.z < 0 ? 0 : h.view.power; };
+    const SrbfHalf half = srbf_sheet_half(s, wo, (wo.z < 0) != (wi.z < 0));
+    return {srbf_sheet_evaluate(v, wi), srbf_sheet_sample(v, u), srbf_half_albedo(half), srbf_primary(half.material, 300 + 700 * u.x),
+            power(v.reflected) + power(v.transmitted)};
+}
 
 static bool read(void *to, size_t bytes) { return fread(to, 1, bytes, stdin) == bytes; }
 
@@ -21,18 +45,15 @@ int main() {
         const size_t n = count;
         std::vector<float> in(9 * n), out(18 * n);
         if (!read(in.data(), 4 * in.size())) { return 2; }
-        const int wrong = srbf_check(words.data(), words.size());
+        const bool is_sheet = words.size() > 3 && words[3] == 2;
+        const int wrong = is_sheet ? srbf_check_sheet(words.data(), words.size()) : srbf_check(words.data(), words.size());
         fwrite(&wrong, 4, 1, stdout);
         if (wrong == 0) {
-            SrbfMaterial m = srbf_material(words.data());
             for (size_t i = 0; i < n; i++) {
                 auto vector = [&](size_t row) { return vec3(in[row * n + i], in[(row + 1) * n + i], in[(row + 2) * n + i]); };
-                SrbfView v = srbf_prepare(m, vector(0));
-                SrbfValue f = srbf_evaluate(m, v, vector(3));
-                SrbfSample s = srbf_sample(m, v, vector(6));
-                vec3 albedo = srbf_albedo(m, v), primary = srbf_primary(m, 300 + 700 * in[6 * n + i]);
+                const auto [f, s, albedo, primary, power] = (is_sheet ? of_sheet : of_material)(words.data(), vector(0), vector(3), vector(6));
                 const float numbers[18] = {f.value.x,  f.value.y,  f.value.z,  f.pdf,    s.wi.x,   s.wi.y,   s.wi.z, s.pdf,
-                                           s.weight.x, s.weight.y, s.weight.z, albedo.x, albedo.y, albedo.z, v.power, primary.x, primary.y, primary.z};
+                                           s.weight.x, s.weight.y, s.weight.z, albedo.x, albedo.y, albedo.z, power,  primary.x, primary.y, primary.z};
                 for (size_t row = 0; row < 18; row++) { out[row * n + i] = numbers[row]; }
             }
             fwrite(out.data(), 4, out.size(), stdout);

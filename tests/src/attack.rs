@@ -26,6 +26,7 @@ mod tables;
 use crate::inputs::levels;
 use input::random;
 pub use input::{above, any_direction, mutate, put_right, uniform};
+pub use sheet::put_quarters_right;
 use std::path::{Path, PathBuf};
 
 /// Something that takes the bytes of a stranger.

@@ -4,11 +4,11 @@
 //! `SRBF_FUZZ=N cargo test --release -p srbf-evaluator device` for N files in place of the few of every test run.
 
 use crate::driver::{Program, root};
-use crate::values::{AT_DRAW, VALUE};
+use crate::values::{AT_DRAW, VALUE, sheets};
 use glam::Vec3;
 use srbf_core::{FormatError, LeaveOut, Material, Mixture};
-use srbf_evaluator::{Language, can_read};
-use srbf_tests::attack::{above, any_direction, kept, mutate, put_right, uniform};
+use srbf_evaluator::{Language, Surface, can_read};
+use srbf_tests::attack::{above, any_direction, kept, mutate, put_quarters_right, put_right, uniform};
 use srbf_tests::inputs::Random;
 use srbf_tests::seeds::extreme;
 use std::path::Path;
@@ -277,4 +277,37 @@ fn nothing_outside_is_read_whatever_the_numbers() {
         let _ = ask(&mut program, &bytes, &hits, file);
     }
     assert!(8 * taken > files(), "too few are sound to say something");
+}
+
+/// What core takes is taken, of sheets too; what is taken has numbers on both sides, whatever the vectors.
+#[test]
+fn nothing_outside_a_sheet_is_read() {
+    let mut program = sanitized(Language::Cpp, "device-sheet", "-fsanitize=float-cast-overflow");
+    let seeds: Vec<Vec<u8>> = kept("sheet").into_iter().map(|(_, bytes)| bytes).collect();
+    let seeds = [seeds, sheets().into_iter().map(|(_, bytes)| bytes).collect()].concat();
+    let (mut random, mut taken, mut by_core) = (Random(7), 0, 0);
+    for file in 0..files() / 4 {
+        let seed = &seeds[random.below(seeds.len())];
+        let mut bytes = mutate(&mut random, seed);
+        if random.below(8) > 0 {
+            put_quarters_right(&mut bytes);
+            put_right(&mut bytes);
+        }
+        let hits: Vec<[Vec3; 3]> = (0..HITS).map(|_| hit(&mut random)).collect();
+        let answer = ask(&mut program, &bytes, &hits, file);
+        let is_whole = |of: &Surface<&[u8]>| of.can_read() && of.plain_bytes() == bytes;
+        let is_sound = Surface::from_bytes(&bytes[..]).as_ref().is_ok_and(is_whole);
+        by_core += u64::from(is_sound);
+        let Ok(rows) = answer else {
+            assert!(!is_sound, "{}: refused for word {answer:?}", keep(&bytes, file));
+            continue;
+        };
+        taken += 1;
+        for row in [&rows[..4], &rows[7..15]].concat() {
+            assert!(is_number(&row), "{}: {hits:?} gave {row:?}", keep(&bytes, file));
+        }
+        assert!(rows[3].iter().chain(&rows[7]).all(|pdf| *pdf >= 0.0), "{}: {hits:?}", keep(&bytes, file));
+    }
+    println!("{} files, {taken} taken, {by_core} by core too", files() / 4);
+    assert!(128 * taken > files() && 128 * by_core > files(), "too few are sound to say something");
 }

@@ -1,6 +1,6 @@
 //! The text as a program: `values.cpp`, compiled and asked.
 
-use srbf_evaluator::{Language, text};
+use srbf_evaluator::{Language, sheet_text};
 use std::io::{Read, Write};
 use std::path::{Path, PathBuf};
 use std::process::{Child, Command, Stdio};
@@ -29,7 +29,7 @@ impl Program {
     pub fn compile(language: Language, folder: &str, options: &[&str]) -> Self {
         let folder = Path::new(env!("CARGO_TARGET_TMPDIR")).join(folder);
         std::fs::create_dir_all(&folder).expect("the target folder can be written");
-        std::fs::write(folder.join("text"), text(language)).expect("the target folder can be written");
+        std::fs::write(folder.join("text"), sheet_text(language)).expect("the target folder can be written");
         let program = folder.join("values");
         let mut compiler = compiler(language);
         compiler.args(options).arg("-I").arg(&folder).arg("-o").arg(&program);
@@ -40,7 +40,7 @@ impl Program {
         Self { child: child.expect("the program runs") }
     }
 
-    /// The program's answer about a material, for nine rows of numbers: fifteen rows, or the word that `srbf_check` finds wrong.
+    /// The program's answer about a material or a sheet, for nine rows of numbers: eighteen rows, or the word that `srbf_check` finds wrong.
     ///
     /// # Errors
     /// If the program has ended: it prints why.

@@ -1,11 +1,12 @@
 //! The text as C++ and as Metal, compiled and run beside the library.
 
 use crate::driver::{Program, root};
+use glam::Vec3;
 use srbf_core::{
-    Draws, FactorTable, Grid, GridView, Line, MAX_LOBES, Material, Mixture, PlaneLobe, SpectralColumns,
-    SpectralMap, TiltedLobe, Towards, View,
+    Draws, FactorTable, Grid, GridView, Line, MAX_LOBES, Material, Mixture, PackOptions, PlaneLobe, Sheet,
+    SheetMixture, SpectralColumns, SpectralMap, TiltedLobe, Towards, View,
 };
-use srbf_evaluator::{Language, export, text};
+use srbf_evaluator::{Language, Surface, export, sheet_text, text};
 use std::path::{Path, PathBuf};
 use std::process::Command;
 
@@ -151,7 +152,8 @@ pub fn spectral(is_lidar: bool) -> Vec<u8> {
 
 /// Rows of numbers: inputs, and the results of the library.
 fn reference(bytes: &[u8]) -> (Vec<Vec<f32>>, Vec<Vec<f32>>) {
-    let material = Material::from_bytes(bytes).expect("a material");
+    let surface = Surface::from_bytes(bytes).expect("a material or a sheet");
+    let is_sheet = matches!(surface, Surface::Sheet(_));
     let mut random = Random(88_172_645_463_325_252);
     let mut given = vec![vec![0.0; N]; 9];
     #[allow(clippy::needless_range_loop)] // several rows are written at a time
@@ -165,6 +167,11 @@ fn reference(bytes: &[u8]) -> (Vec<Vec<f32>>, Vec<Vec<f32>>) {
         }
         for c in 0..3 {
             (given[c][i], given[3 + c][i], given[6 + c][i]) = (wo[c], wi[c], random.next());
+        }
+        // Viewers and lights of a sheet stand on either side.
+        if is_sheet {
+            given[2][i] *= [1.0, -1.0][i / 2 % 2];
+            given[5][i] *= [1.0, -1.0][i / 4 % 2];
         }
     }
     let mut out = vec![vec![0.0; N]; 14];
@@ -180,18 +187,39 @@ fn reference(bytes: &[u8]) -> (Vec<Vec<f32>>, Vec<Vec<f32>>) {
             weight: Some([next(), next(), next()]),
         };
         let albedo = [next(), next(), next()];
-        material
-            .ask(rows(0), Towards { wi: rows(3), value: Some(value), pdf: Some(pdf) }.into())
-            .expect("one length");
-        material.ask(rows(0), samples.into()).expect("one length");
-        let mut mixture = Mixture::<MAX_LOBES>::empty();
+        let towards = Towards { wi: rows(3), value: Some(value), pdf: Some(pdf) };
+        match &surface {
+            Surface::Material(material) => {
+                material.ask(rows(0), towards.into()).expect("one length");
+                material.ask(rows(0), samples.into()).expect("one length");
+            }
+            Surface::Sheet(sheet) => {
+                sheet.ask(rows(0), towards.into()).expect("one length");
+                sheet.ask(rows(0), samples.into()).expect("one length");
+            }
+        }
         for i in 0..N {
-            material.prepare([given[0][i], given[1][i], given[2][i]], &mut mixture).expect("a direction");
-            let found = mixture.albedo().to_array();
+            let found = albedo_at(&surface, [0, 1, 2].map(|c| given[c][i]), given[5][i]).to_array();
             (0..3).for_each(|c| albedo[c][i] = found[c]);
         }
     }
     (given, out)
+}
+
+/// The albedo; of a sheet that of the half of the light.
+fn albedo_at(surface: &Surface<&[u8]>, wo: [f32; 3], height: f32) -> Vec3 {
+    match surface {
+        Surface::Material(material) => {
+            let mut mixture = Mixture::<MAX_LOBES>::empty();
+            material.prepare(wo, &mut mixture).expect("a direction");
+            mixture.albedo()
+        }
+        Surface::Sheet(sheet) => {
+            let mut pair = SheetMixture::<MAX_LOBES>::empty();
+            sheet.prepare(wo, &mut pair).expect("a direction");
+            pair.albedos()[usize::from((wo[2] < 0.0) != (height < 0.0))]
+        }
+    }
 }
 
 fn largest<const C: usize>(numbers: [f32; C]) -> f32 {
@@ -211,8 +239,13 @@ fn check(name: &str, language: Language, got: &[Vec<f32>], want: &[Vec<f32>]) {
         let size = |rows: [usize; 3]| largest(rows.map(|r| want[r][i]));
         let power = got[14][i];
         let relative = |row: usize| (got[row][i] - want[row][i]).abs() / want[row][i];
-        worst[0] = worst[0].max(apart([0, 1, 2]) / size([0, 1, 2]).max(want[3][i] * power));
-        worst[1] = worst[1].max(relative(3));
+        // Nothing at all, of a quarter that is black.
+        if size([0, 1, 2]) == 0.0 {
+            assert!(got[..4].iter().all(|row| row[i] == 0.0), "{name}: {i}");
+        } else {
+            worst[0] = worst[0].max(apart([0, 1, 2]) / size([0, 1, 2]).max(want[3][i] * power));
+            worst[1] = worst[1].max(relative(3));
+        }
         worst[2] = worst[2].max(apart([11, 12, 13]) / size([11, 12, 13]).max(power));
         if apart([4, 5, 6]) > 1e-4 {
             // A lobe chosen at the very edge between two may be the other one.
@@ -269,6 +302,85 @@ fn cpp_and_metal_say_what_the_library_says() {
                 assert!(apart <= 1e-4 * largest(column).max(1.0), "{}: {u}, {column:?}", material.display());
             }
         }
+    }
+}
+
+/// A sheet of some quarters.
+pub fn joined(quarters: [Option<&[u8]>; 4], is_symmetric: bool) -> Vec<u8> {
+    let made = quarters.map(|bytes| bytes.map(|bytes| Material::from_bytes(bytes).expect("a material")));
+    let quarters = made.each_ref().map(Option::as_ref);
+    let mut bytes = vec![0; Sheet::encoded_len(quarters, "made by tests")];
+    Sheet::encode(quarters, is_symmetric, "made by tests", &mut bytes).expect("the sheet is valid");
+    bytes
+}
+
+/// Sheets by name: of four different quarters, alike on both sides, with quarters that are black.
+pub fn sheets() -> Vec<(&'static str, Vec<u8>)> {
+    let preset = |name: &str| std::fs::read(root().join("presets").join(name)).expect("a preset");
+    let (red, grey) = (preset("garnet_red.srbf"), preset("sheets/ground_glass.srbf"));
+    let parts = [mirrored(), factored(true), spectral(false), red];
+    let [a, b, c, d] = parts.each_ref().map(|bytes| Some(&bytes[..]));
+    vec![
+        ("four quarters", joined([a, b, c, d], false)),
+        ("alike", joined([c, d, None, None], true)),
+        ("black", joined([d, None, None, b], false)),
+        ("ground glass", grey),
+    ]
+}
+
+#[test]
+fn sheets_say_what_the_library_says() {
+    let mut programs = [Language::Cpp, Language::Metal]
+        .map(|language| (language, Program::compile(language, &format!("{language:?}-sheet"), &["-O2"])));
+    for (name, bytes) in sheets() {
+        let (given, want) = reference(&bytes);
+        for (language, program) in &mut programs {
+            let got = program.ask(&bytes, &given).expect("it answers").expect("a sheet");
+            check(name, *language, &got, &want);
+        }
+    }
+}
+
+#[test]
+fn exports_hold_their_sheet() {
+    let sheets = sheets();
+    for language in Language::ALL {
+        assert!(sheet_text(language).starts_with(text(language).trim_end_matches(language_end(language))));
+        for (name, bytes) in &sheets {
+            let surface = Surface::from_bytes(&bytes[..]).expect("a sheet");
+            let written = surface.export(language);
+            let last = bytes.last_chunk().map(|word| format!("0x{:08x}u\n", u32::from_le_bytes(*word)));
+            assert!(surface.can_read() && written.contains("srbf_sheet_sample("), "{name}");
+            assert!(written.contains(&last.expect("a word")), "{name}, {language:?}");
+            for token in ["SELECT", "\nFN ", "STRUCT", "WORD(", "PLACE(", " LOBES", " KEEP("] {
+                assert!(!written.contains(token), "{name}, {language:?}: {token}");
+            }
+        }
+    }
+    // A sheet in codes is written in plain numbers.
+    let packed = |bytes: &[u8]| {
+        let material = Material::from_bytes(bytes).expect("a material");
+        let mut out = vec![0; material.packed_len(PackOptions::default(), "")];
+        material.pack(PackOptions::default(), "", &mut out).expect("there is room");
+        out
+    };
+    let (a, b) = (packed(&mirrored()), packed(&factored(false)));
+    let bytes = joined([Some(&a), None, Some(&b), Some(&a)], false);
+    let surface = Surface::from_bytes(&bytes[..]).expect("a sheet");
+    let plain = surface.plain_bytes().into_owned();
+    let mut program = Program::compile(Language::Cpp, "packed-sheet", &["-O2"]);
+    let (given, want) = reference(&bytes);
+    let got = program.ask(&plain, &given).expect("it answers").expect("a sheet");
+    check("packed", Language::Cpp, &got, &want);
+    let json = surface.json();
+    assert!(json.contains("\"front-transmission\": null") && json.matches("\"theta\"").count() > 9);
+}
+
+/// What stands behind the functions of a material, within the namespace.
+fn language_end(language: Language) -> &'static str {
+    match language {
+        Language::Cpp | Language::Cuda => include_str!("../../src/tail.hpp"),
+        _ => "",
     }
 }
 

@@ -53,7 +53,7 @@ pub fn sheet(bytes: &[u8]) -> bool {
 }
 
 /// Gives the materials within a sheet their lengths and checksums.
-fn put_quarters_right(bytes: &mut [u8]) {
+pub fn put_quarters_right(bytes: &mut [u8]) {
     const QUARTERS: [&[u8]; 4] = [b"FREF", b"FTRA", b"BREF", b"BTRA"];
     let mut at = 40;
     while let Some(head) = bytes.get(at..at + 8) {
