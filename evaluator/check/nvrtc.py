@@ -26,11 +26,23 @@ extern "C" __global__ void hits(const unsigned int *words, const float *in, floa
 }
 """
 
+SHEET = """
+extern "C" __global__ void sheet_hits(const unsigned int *words, const float *in, float *out) {
+    using namespace srbf_device;
+    int i = blockIdx.x * blockDim.x + threadIdx.x;
+    SrbfSheetView view = srbf_sheet_prepare(srbf_sheet(words), vec3(in[9 * i], in[9 * i + 1], in[9 * i + 2]));
+    SrbfValue value = srbf_sheet_evaluate(view, vec3(in[9 * i + 3], in[9 * i + 4], in[9 * i + 5]));
+    SrbfSample sample = srbf_sheet_sample(view, vec3(in[9 * i + 6], in[9 * i + 7], in[9 * i + 8]));
+    out[i] = value.value.x + sample.weight.x + srbf_half_albedo(view.transmitted).x;
+}
+"""
+
 
 def main(path):
     folder = pathlib.Path(list(nvidia.cuda_nvrtc.__path__)[0]) / "lib"
     library = ctypes.CDLL(str(next(folder.glob("libnvrtc.so.*"))))
-    source = (pathlib.Path(path).read_text() + KERNEL).encode()
+    text = pathlib.Path(path).read_text()
+    source = (text + KERNEL + (SHEET if "srbf_sheet_sample" in text else "")).encode()
     program, size = ctypes.c_void_p(), ctypes.c_size_t()
     assert library.nvrtcCreateProgram(ctypes.byref(program), source, b"srbf.cu", 0, None, None) == 0
     options = (ctypes.c_char_p * 2)(b"--gpu-architecture=compute_75", b"--std=c++17")

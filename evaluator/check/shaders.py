@@ -3,7 +3,7 @@
     python shaders.py WRITE REFERENCE FOLDER
 
 WRITE is the program that writes the text, REFERENCE the one that prints the numbers of core (evaluator/examples/reference.rs), FOLDER a place for what is
-made, and for exports, `constants-*.wgsl`, which are compiled alone. WGSL is compiled by naga, GLSL and HLSL by glslang to SPIR-V; all run by
+made, for exports, `constants-*.wgsl`, which are compiled alone, and for sheets, `sheet-*.srbf`. WGSL is compiled by naga, GLSL and HLSL by glslang to SPIR-V; all run by
 Vulkan, on lavapipe where there is no GPU. Where no direction is, they have to give 0. It needs the packages wgpu and srbf_brdf, glslangValidator, and a Vulkan driver.
 """
 
@@ -20,6 +20,28 @@ from conftest import make_materials, reference, spread  # noqa: E402
 N = 4096
 BOUNDS = {"value": 3e-4, "density": 3e-4, "direction": 2e-4, "density there": 5e-4, "weight": 5e-4, "albedo": 3e-4}
 
+# What a hit asks: type, name and expression of each value.
+HITS = {
+    "material": [
+        ("SrbfMaterial", "m", "srbf_material(DATA)"),
+        ("SrbfView", "v", "srbf_prepare(m, wo)"),
+        ("SrbfValue", "f", "srbf_evaluate(m, v, wi)"),
+        ("SrbfSample", "s", "srbf_sample(m, v, u)"),
+        ("float", "power", "v.power"),
+        ("vec3", "albedo", "srbf_albedo(m, v)"),
+    ],
+    "sheet": [
+        ("SrbfSheet", "sheet", "srbf_sheet(DATA)"),
+        ("SrbfSheetView", "v", "srbf_sheet_prepare(sheet, wo)"),
+        ("SrbfValue", "f", "srbf_sheet_evaluate(v, wi)"),
+        ("SrbfSample", "s", "srbf_sheet_sample(v, u)"),
+        ("SrbfHalf", "h", "srbf_sheet_half(sheet, wo, (wo.z < 0.0) != (wi.z < 0.0))"),
+        # Of both halves, if they are not black.
+        ("float", "power", "v.reflected.view.power * step(0.0, v.reflected.view.wo.z) + v.transmitted.view.power * step(0.0, v.transmitted.view.wo.z)"),
+        ("vec3", "albedo", "srbf_half_albedo(h)"),
+    ],
+}
+
 WGSL = (
     """@group(0) @binding(0) var<storage, read> words: array<u32>;
 @group(0) @binding(1) var<storage, read> given: array<f32>;
@@ -30,16 +52,17 @@ fn srbf_word(data: u32, i: i32) -> u32 { return words[data + u32(i)]; }
 fn given_vector(row: u32, i: u32) -> vec3f { return vec3f(given[row * 4096u + i], given[(row + 1u) * 4096u + i], given[(row + 2u) * 4096u + i]); }
 @compute @workgroup_size(64) fn main(@builtin(global_invocation_id) id: vec3u) {
     let i = id.x;
-    let m = srbf_material(0u);
-    let v = srbf_prepare(m, given_vector(0u, i));
-    let f = srbf_evaluate(m, v, given_vector(3u, i));
-    let s = srbf_sample(m, v, given_vector(6u, i));
+    let wo = given_vector(0u, i);
+    let wi = given_vector(3u, i);
+    let u = given_vector(6u, i);
+    HIT
     got[4u * i] = vec4f(f.value, f.pdf);
     got[4u * i + 1u] = vec4f(s.wi, s.pdf);
-    got[4u * i + 2u] = vec4f(s.weight, v.power);
-    got[4u * i + 3u] = vec4f(srbf_albedo(m, v), 0.0);
+    got[4u * i + 2u] = vec4f(s.weight, power);
+    got[4u * i + 3u] = vec4f(albedo, 0.0);
 }
 """,
+    lambda kind, name, value: f"let {name} = {value};".replace("DATA", "0u"),
 )
 GLSL = (
     """#version 450
@@ -53,16 +76,17 @@ uint srbf_word(int data, int i) { return words[data + i]; }
 vec3 given_vector(int row, int i) { return vec3(given[row * 4096 + i], given[(row + 1) * 4096 + i], given[(row + 2) * 4096 + i]); }
 void main() {
     int i = int(gl_GlobalInvocationID.x);
-    SrbfMaterial m = srbf_material(0);
-    SrbfView v = srbf_prepare(m, given_vector(0, i));
-    SrbfValue f = srbf_evaluate(m, v, given_vector(3, i));
-    SrbfSample s = srbf_sample(m, v, given_vector(6, i));
+    vec3 wo = given_vector(0, i);
+    vec3 wi = given_vector(3, i);
+    vec3 u = given_vector(6, i);
+    HIT
     got[4 * i] = vec4(f.value, f.pdf);
     got[4 * i + 1] = vec4(s.wi, s.pdf);
-    got[4 * i + 2] = vec4(s.weight, v.power);
-    got[4 * i + 3] = vec4(srbf_albedo(m, v), 0.0);
+    got[4 * i + 2] = vec4(s.weight, power);
+    got[4 * i + 3] = vec4(albedo, 0.0);
 }
 """,
+    lambda kind, name, value: f"{kind} {name} = {value};".replace("DATA", "0"),
 )
 HLSL = (
     """[[vk::binding(0, 0)]] StructuredBuffer<uint> words;
@@ -74,17 +98,24 @@ uint srbf_word(uint data, int i) { return words[data + uint(i)]; }
 float3 given_vector(uint row, uint i) { return float3(given[row * 4096 + i], given[(row + 1) * 4096 + i], given[(row + 2) * 4096 + i]); }
 [numthreads(64, 1, 1)] void main(uint3 id : SV_DispatchThreadID) {
     uint i = id.x;
-    SrbfMaterial m = srbf_material(0);
-    SrbfView v = srbf_prepare(m, given_vector(0, i));
-    SrbfValue f = srbf_evaluate(m, v, given_vector(3, i));
-    SrbfSample s = srbf_sample(m, v, given_vector(6, i));
+    float3 wo = given_vector(0, i);
+    float3 wi = given_vector(3, i);
+    float3 u = given_vector(6, i);
+    HIT
     got[4 * i] = float4(f.value, f.pdf);
     got[4 * i + 1] = float4(s.wi, s.pdf);
-    got[4 * i + 2] = float4(s.weight, v.power);
-    got[4 * i + 3] = float4(srbf_albedo(m, v), 0.0);
+    got[4 * i + 2] = float4(s.weight, power);
+    got[4 * i + 3] = float4(albedo, 0.0);
 }
 """,
+    lambda kind, name, value: f"{kind.replace('vec3', 'float3')} {name} = {value};".replace("DATA", "0"),
 )
+
+
+def source(parts, text, hit):
+    """A shader round the text."""
+    before, after, line = parts
+    return before + text + after.replace("HIT", "\n    ".join(line(*value) for value in HITS[hit]))
 
 
 def worst(got, want):
@@ -92,9 +123,12 @@ def worst(got, want):
     value, pdf, wi, there, weight, power, albedo = (got[:, a:b] for a, b in ((0, 3), (3, 4), (4, 7), (7, 8), (8, 11), (11, 12), (12, 15)))
     largest = lambda a: np.max(np.abs(a), axis=1, keepdims=True)
     same = largest(wi - want[:, 4:7]) < 1e-2
+    there_is = want[:, 3:4] > 0
+    density = np.where(there_is, want[:, 3:4], 1)
     errors = {
-        "value": np.max(largest(value - want[:, :3]) / np.maximum(largest(want[:, :3]), want[:, 3:4] * power)),
-        "density": np.max(np.abs(pdf - want[:, 3:4]) / want[:, 3:4]),
+        # Of a quarter that is black nothing is expected.
+        "value": np.max(largest(value - want[:, :3]) / np.where(there_is, np.maximum(largest(want[:, :3]), want[:, 3:4] * power), 1)),
+        "density": np.max(np.abs(pdf - want[:, 3:4]) / density),
         "direction": np.max(largest(wi - want[:, 4:7])[same]),
         "density there": np.max((np.abs(there - want[:, 7:8]) / want[:, 7:8])[same]),
         "weight": np.max((largest(weight - want[:, 8:11]) / np.maximum(largest(want[:, 8:11]), power))[same]),
@@ -109,25 +143,20 @@ def main(write, program, folder):
     adapter = wgpu.gpu.request_adapter_sync(power_preference="high-performance")
     print(adapter.info["device"], adapter.info["description"])
     device = adapter.request_device_sync()
-    text = lambda language: subprocess.run([write, language], stdout=subprocess.PIPE, check=True, text=True).stdout
+    text = lambda *words: subprocess.run([write, *words], stdout=subprocess.PIPE, check=True, text=True).stdout
 
-    def spirv(language, parts, *options):
-        source, target = folder / f"main.{language}", folder / f"{language}.spv"
-        source.write_text(parts[0] + text(language) + parts[1])
-        subprocess.run(["glslangValidator", *options, "-V", "-S", "comp", "-e", "main", str(source), "-o", str(target)], check=True)
+    def spirv(language, code, *options):
+        path, target = folder / f"main.{language}", folder / f"{language}.spv"
+        path.write_text(code)
+        subprocess.run(["glslangValidator", *options, "-V", "-S", "comp", "-e", "main", str(path), "-o", str(target)], check=True)
         return target.read_bytes()
 
-    codes = {
-        "wgsl": WGSL[0] + text("wgsl") + WGSL[1],
-        "glsl": spirv("glsl", GLSL),
-        "hlsl": spirv("hlsl", HLSL, "-D"),
-    }
-    pipelines = {
-        name: device.create_compute_pipeline(
-            layout="auto", compute={"module": device.create_shader_module(code=code), "entry_point": "main"}
-        )
-        for name, code in codes.items()
-    }
+    def pipelines(hit):
+        own = lambda language, parts: source(parts, text(language, *(["sheet"] if hit == "sheet" else [])), hit)
+        codes = {"wgsl": own("wgsl", WGSL), "glsl": spirv("glsl", own("glsl", GLSL)), "hlsl": spirv("hlsl", own("hlsl", HLSL), "-D")}
+        module = lambda code: {"module": device.create_shader_module(code=code), "entry_point": "main"}
+        return {name: device.create_compute_pipeline(layout="auto", compute=module(code)) for name, code in codes.items()}
+
     def ask(pipeline, words, given):
         storage = wgpu.BufferUsage.STORAGE
         buffers = [
@@ -150,26 +179,33 @@ def main(write, program, folder):
         device.create_shader_module(code=path.read_text())
         print(path.name)
     wo, wi, u = spread(N)
-    given = np.ascontiguousarray(np.concatenate([wo, wi, u], axis=1).T, dtype="<f4")
     # Numbers of which none makes a direction, in one vector of a row each.
     ends = np.array([np.nan, np.inf, -np.inf, 1e30, -1e30, 0, 7], dtype="<f4")
     random = np.random.default_rng(2)
-    hostile = given.copy()
     which = random.integers(0, 3, N)
-    for row in range(9):
-        hostile[row] = np.where(which == row // 3, random.choice(ends, N), hostile[row])
     failed = False
-    for name, path in make_materials(folder).items():
-        words = path.read_bytes()
-        words += b"\0" * (-len(words) % 4)
-        want = reference(path, wo, wi, u)
-        for language, pipeline in pipelines.items():
-            errors, elsewhere = worst(ask(pipeline, words, given), want)
-            got = ask(pipeline, words, hostile)
-            is_nothing = np.all(got[which == 0, :4] == 0) and np.all(got[which == 1, :4] == 0) and np.all(got[which == 0, 7:11] == 0)
-            is_good = all(errors[key] <= bound for key, bound in BOUNDS.items()) and elsewhere <= 2 and np.isfinite(got).all() and is_nothing
-            failed |= not is_good
-            print(f"{'pass' if is_good else 'FAIL'} {name:14} {language}", *(f"{k} {v:.1e}" for k, v in errors.items()), f"other lobe {elsewhere}, hostile {is_nothing}")
+    files = {"material": make_materials(folder), "sheet": {path.stem: path for path in sorted(folder.glob("sheet-*.srbf"))}}
+    for hit, found in files.items():
+        if hit == "sheet":
+            # Viewers and lights stand on either side.
+            wo[:, 2] *= np.where(np.arange(N) // 2 % 2 == 0, 1, -1)
+            wi[:, 2] *= np.where(np.arange(N) // 4 % 2 == 0, 1, -1)
+        given = np.ascontiguousarray(np.concatenate([wo, wi, u], axis=1).T, dtype="<f4")
+        hostile = given.copy()
+        for row in range(9):
+            hostile[row] = np.where(which == row // 3, random.choice(ends, N), hostile[row])
+        made = pipelines(hit)
+        for name, path in found.items():
+            words = path.read_bytes()
+            words += b"\0" * (-len(words) % 4)
+            want = reference(path, wo, wi, u)
+            for language, pipeline in made.items():
+                errors, elsewhere = worst(ask(pipeline, words, given), want)
+                got = ask(pipeline, words, hostile)
+                is_nothing = np.all(got[which == 0, :4] == 0) and np.all(got[which == 1, :4] == 0) and np.all(got[which == 0, 7:11] == 0)
+                is_good = all(errors[key] <= bound for key, bound in BOUNDS.items()) and elsewhere <= 2 and np.isfinite(got).all() and is_nothing
+                failed |= not is_good
+                print(f"{'pass' if is_good else 'FAIL'} {name:14} {language}", *(f"{k} {v:.1e}" for k, v in errors.items()), f"other lobe {elsewhere}, hostile {is_nothing}")
     if failed:
         sys.exit(f"above the bounds {BOUNDS}, or something where no direction is")
 
