@@ -1,6 +1,6 @@
 import type { Camera, Color, ColorRepresentation, DataTexture, Scene, ShaderMaterial, ShaderMaterialParameters, Texture, WebGLRenderer, WebGLRenderTarget } from "three";
 
-/** The words of a .srbf file as a texture; throws an error that names what is wrong with them. `name` is how errors call the file. */
+/** The words of a .srbf file, a material's or a sheet's, as a texture; throws an error that names what is wrong with them. `name` is how errors call the file. */
 export function parseSrbf(data: ArrayBuffer | Uint8Array, name?: string): DataTexture;
 
 /** Fetches a .srbf file; a texture, as parseSrbf gives it. */
@@ -21,7 +21,7 @@ export interface SrbfMaterialParameters extends ShaderMaterialParameters {
 }
 
 /**
- * A measured surface under directional, point and spot lights, ambient light, and a map. Shadows and lights of other kinds are not seen.
+ * A measured surface, or a sheet with both its sides, under directional, point and spot lights, ambient light, and a map. Shadows and lights of other kinds are not seen.
  */
 export class SrbfMaterial extends ShaderMaterial {
     constructor(parameters: SrbfMaterialParameters);

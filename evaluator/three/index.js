@@ -1,13 +1,13 @@
-// A .srbf file as a material of three.js. README.md has an example.
+// A .srbf file, a material's or a sheet's, as a material of three.js. README.md has an example.
 
 import * as THREE from "three";
-import text from "./text.js";
-import { received, wordsOf } from "./words.js";
+import text, { sheet } from "./text.js";
+import { quartersOf, received, wordsOf } from "./words.js";
 
 const WIDTH = 1024; // words in a row of the texture
 
 /**
- * The words of a .srbf file as a texture.
+ * The words of a .srbf file as a texture; `userData.isSheet` says whether they are a sheet's.
  * @param {ArrayBuffer | Uint8Array} data the file
  * @param {string} name how errors call it
  */
@@ -15,6 +15,7 @@ export function parseSrbf(data, name = "the material") {
     const words = wordsOf(data, name, WIDTH);
     const texture = new THREE.DataTexture(words, WIDTH, words.length / WIDTH, THREE.RedIntegerFormat, THREE.UnsignedIntType);
     texture.internalFormat = "R32UI";
+    texture.userData.isSheet = quartersOf(words) !== null;
     texture.needsUpdate = true;
     return texture;
 }
@@ -44,7 +45,24 @@ void main() {
 }
 `;
 
-const fragmentShader = /* glsl */ `
+/** What a hit of a material asks, and what one of a sheet does: it is seen from both sides, and has light on both. */
+const MATERIAL = `
+#define VIEW SrbfView
+#define PREPARE(wo) srbf_prepare(srbf_material(0), wo)
+#define TOWARDS(view, wi) srbf_evaluate(srbf_material(0), view, wi).value
+#define DRAW(view, u) srbf_sample(srbf_material(0), view, u)
+#define ALBEDO(view) srbf_albedo(srbf_material(0), view)
+`;
+const SHEET = `
+${sheet}
+#define VIEW SrbfSheetView
+#define PREPARE(wo) srbf_sheet_prepare(srbf_sheet(0), wo)
+#define TOWARDS(view, wi) srbf_sheet_evaluate(view, wi).value
+#define DRAW(view, u) srbf_sheet_sample(view, u)
+#define ALBEDO(view) (srbf_half_albedo(view.reflected) + srbf_half_albedo(view.transmitted))
+`;
+
+const fragmentShader = (isSheet) => /* glsl */ `
 precision highp usampler2D;
 #include <common>
 #include <lights_pars_begin>
@@ -60,8 +78,8 @@ in vec3 srbfNormal;
 in vec4 srbfTangent;
 #endif
 
-uint srbf_word(int data, int i) { return texelFetch(srbfWords, ivec2(i & ${WIDTH - 1}, i / ${WIDTH}), 0).r; }
-${text}
+uint srbf_word(int data, int i) { return texelFetch(srbfWords, ivec2((data + i) & ${WIDTH - 1}, (data + i) / ${WIDTH}), 0).r; }
+${text}${isSheet ? SHEET : MATERIAL}
 // Numbers of a pixel, a frame and a draw (Jarzynski and Olano 2020).
 uvec3 srbfRandom(uvec3 v) {
     v = v * 1664525u + 1013904223u;
@@ -72,7 +90,7 @@ uvec3 srbfRandom(uvec3 v) {
 }
 
 void main() {
-    vec3 normal = normalize(srbfNormal) * (gl_FrontFacing ? 1.0 : -1.0);
+    vec3 normal = normalize(srbfNormal)${isSheet ? "" : " * (gl_FrontFacing ? 1.0 : -1.0)"};
     vec3 view = isOrthographic ? vec3(0.0, 0.0, 1.0) : normalize(-srbfPosition);
 #ifdef SRBF_TANGENTS
     vec3 tangent = normalize(srbfTangent.xyz - normal * dot(normal, srbfTangent.xyz));
@@ -83,33 +101,32 @@ void main() {
 #endif
     mat3 frameOfSurface = mat3(tangent, bitangent, normal);
     vec3 wo = view * frameOfSurface;
-    wo = normalize(vec3(wo.xy, max(wo.z, 1e-3)));
-    SrbfMaterial material = srbf_material(0);
-    SrbfView mixture = srbf_prepare(material, wo);
-    vec3 light = ambientLightColor * srbf_albedo(material, mixture) * RECIPROCAL_PI;
+    wo = normalize(vec3(wo.xy, ${isSheet ? "gl_FrontFacing ? max(wo.z, 1e-3) : min(wo.z, -1e-3)" : "max(wo.z, 1e-3)"}));
+    VIEW mixture = PREPARE(wo);
+    vec3 light = ambientLightColor * ALBEDO(mixture) * RECIPROCAL_PI;
     IncidentLight incident;
 #if NUM_DIR_LIGHTS > 0
     for (int i = 0; i < NUM_DIR_LIGHTS; i++) {
         getDirectionalLightInfo(directionalLights[i], incident);
-        light += incident.color * srbf_evaluate(material, mixture, incident.direction * frameOfSurface).value;
+        light += incident.color * TOWARDS(mixture, incident.direction * frameOfSurface);
     }
 #endif
 #if NUM_POINT_LIGHTS > 0
     for (int i = 0; i < NUM_POINT_LIGHTS; i++) {
         getPointLightInfo(pointLights[i], srbfPosition, incident);
-        light += incident.color * srbf_evaluate(material, mixture, incident.direction * frameOfSurface).value;
+        light += incident.color * TOWARDS(mixture, incident.direction * frameOfSurface);
     }
 #endif
 #if NUM_SPOT_LIGHTS > 0
     for (int i = 0; i < NUM_SPOT_LIGHTS; i++) {
         getSpotLightInfo(spotLights[i], srbfPosition, incident);
-        light += incident.color * srbf_evaluate(material, mixture, incident.direction * frameOfSurface).value;
+        light += incident.color * TOWARDS(mixture, incident.direction * frameOfSurface);
     }
 #endif
     vec3 reflected = vec3(0.0);
     for (int i = 0; i < draws; i++) {
         uvec3 bits = srbfRandom(uvec3(gl_FragCoord.xy, frame * uint(draws) + uint(i)));
-        SrbfSample s = srbf_sample(material, mixture, vec3(bits >> 8u) * (1.0 / 16777216.0));
+        SrbfSample s = DRAW(mixture, vec3(bits >> 8u) * (1.0 / 16777216.0));
         vec3 towards = inverseTransformDirection(frameOfSurface * s.wi, viewMatrix);
         vec2 place = vec2(atan(towards.z, towards.x) * RECIPROCAL_PI2 + 0.5, asin(clamp(towards.y, -1.0, 1.0)) * RECIPROCAL_PI + 0.5);
         reflected += s.weight * textureLod(environment, place, 0.0).rgb;
@@ -123,7 +140,8 @@ void main() {
 
 /**
  * A measured surface: directional, point and spot lights, ambient light by its albedo, and an equirectangular map of light, of which every
- * frame takes `draws` directions of the lobes. Shadows and lights of other kinds are not seen.
+ * frame takes `draws` directions of the lobes. A sheet is seen from both sides, and by light on both; its front is that of the geometry. Shadows
+ * and lights of other kinds are not seen.
  */
 export class SrbfMaterial extends THREE.ShaderMaterial {
     constructor({ srbf, environment = null, environmentIntensity = 1, draws = 4, tint = 0xffffff, tangents = false, ...others } = {}) {
@@ -134,7 +152,8 @@ export class SrbfMaterial extends THREE.ShaderMaterial {
             defines: tangents ? { SRBF_TANGENTS: 1 } : {},
             uniforms: THREE.UniformsUtils.merge([THREE.UniformsLib.lights]),
             vertexShader,
-            fragmentShader,
+            fragmentShader: fragmentShader(srbf.userData.isSheet === true),
+            ...(srbf.userData.isSheet ? { side: THREE.DoubleSide } : {}),
             ...others,
         });
         // Not merged: textures are not copied.

@@ -6,7 +6,11 @@ export const HEAD_BYTES = 20;
 /** Most bytes of a material that is read: the largest have some megabytes. */
 export const MOST_BYTES = 1 << 26;
 
+/** Names of the quarters of a sheet: reflection and transmission, seen from the front and from the back. */
+export const QUARTERS = ["front-reflection", "front-transmission", "back-reflection", "back-transmission"];
+
 const LEAST_BYTES = 60, MAGIC = [0x42525389, 0x1a0a0d46], LOBE = 0x45424f4c, FACT = 0x54434146, PACK = 0x4b434150;
+const SHEET = 2, SHARES = 0x52414853, TAGS = [0x46455246, 0x41525446, 0x46455242, 0x41525442];
 
 function crc32(bytes) {
     let crc = ~0;
@@ -91,7 +95,7 @@ function check(words, length, name) {
     const end = Math.floor(length / 4);
     expect(views <= 4096 && endOfLobes < end, "its views are longer than the file");
     // The ranges of the format, a little wider where a rounding decides. A NaN is in none.
-    const numbers = new Float32Array(words.buffer);
+    const numbers = new Float32Array(words.buffer, words.byteOffset, words.length);
     const range = (i, count, least, most) => {
         for (; count-- > 0; i++) expect(numbers[i] >= least && numbers[i] <= most, `word ${i}: ${numbers[i]} is not from ${least} to ${most}`);
     };
@@ -137,8 +141,47 @@ function check(words, length, name) {
     range(at + 3 * views, 1, numbers[at + 3 * views] === 0 ? 0 : 9.99e-21, 8.0831);
 }
 
+/** Words before each quarter of a sheet, 0 for one that is black; null for a material. */
+export function quartersOf(words) {
+    if (words[3] !== SHEET) return null;
+    const places = [0, 0, 0, 0], end = words[4] / 4 - 1;
+    for (let at = 20; at < end; at += 2 + Math.ceil(words[at + 1] / 4)) {
+        const quarter = TAGS.indexOf(words[at]);
+        if (quarter >= 0) places[quarter] = at + 2;
+    }
+    return words[5] === 1 ? [...places.slice(0, 2), ...places.slice(0, 2)] : places;
+}
+
+/** Throws an error unless the words are those of a sheet, each quarter of which is a material. */
+function checkSheet(words, length, name) {
+    const expect = (holds, what) => { if (!holds) throw new Error(`${name}: ${what}`); };
+    expect(words[2] === 3 && words[5] <= 1 && length % 4 === 0 && length >= 84, "the head of a sheet is expected");
+    expect(words[10] === SHARES && words[11] === 32, "no block of shares");
+    const end = length / 4 - 1, has = [];
+    for (let at = 20; at < end;) {
+        const size = words[at + 1], quarter = TAGS.indexOf(words[at]);
+        expect(at + 1 < end && size <= 4 * (end - at - 2), `a block at word ${at} that is longer than the file`);
+        expect(quarter >= 0 || words[at] & 32, `an unknown block at word ${at}`);
+        const next = at + 2 + Math.ceil(size / 4);
+        if (quarter >= 0) {
+            const own = words.subarray(at + 2, next), of = `${name}, ${QUARTERS[quarter]}`;
+            expect(!has.includes(quarter) && !(words[5] === 1 && quarter > 1), `a quarter at word ${at} that is there already`);
+            expect(size >= LEAST_BYTES && MAGIC.every((word, i) => own[i] === word) && own[4] === size, `no material at word ${at}`);
+            check(own, size, of);
+            has.push(quarter);
+        }
+        at = next;
+    }
+    expect(has.length > 0, "no quarters");
+    const shares = (side) => Array.from({ length: 16 }, (_, i) => (words[12 + 4 * side + (i >> 2)] >>> (8 * (i & 3))) & 255);
+    for (const side of words[5] === 1 ? [0] : [0, 1]) {
+        const hasBoth = [0, 1].every((part) => has.includes(2 * side + part));
+        expect(!hasBoth || shares(side).every((share) => share > 0 && share < 255), "a share of draws that is none");
+    }
+}
+
 /**
- * The little-endian words of a .srbf file, with zeros up to a whole number of rows.
+ * The little-endian words of a .srbf file, a material's or a sheet's, with zeros up to a whole number of rows.
  * @param {ArrayBuffer | Uint8Array} data the file
  * @param {string} name how errors call it
  * @param {number} row words of a row
@@ -150,7 +193,7 @@ export function wordsOf(data, name, row) {
     padded.set(bytes);
     const view = new DataView(padded.buffer);
     const words = Uint32Array.from({ length: padded.length / 4 }, (_, i) => view.getUint32(4 * i, true));
-    check(words, bytes.length, name);
+    (words[3] === SHEET ? checkSheet : check)(words, bytes.length, name);
     const end = bytes.length - 4;
     if (crc32(bytes.subarray(0, end)) !== view.getUint32(end, true)) throw new Error(`${name}: the checksum does not fit: the bytes are damaged`);
     return words;

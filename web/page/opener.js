@@ -1,6 +1,6 @@
 // Files that are opened: materials at once, measurements by the fitter, in a worker that can be ended.
 import { decoded } from "./tree.js";
-import { checkHead, wordsOf } from "./words.js";
+import { QUARTERS, checkHead, quartersOf, wordsOf } from "./words.js";
 
 const FIRST_BYTES = [0x89, 0x53, 0x52, 0x42, 0x46];
 
@@ -97,8 +97,13 @@ export function exported(bytes, format) {
     return ask({ bytes, format }).answer.then((answer) => answer.bytes);
 }
 
-/** Facts that stand in the head of a material. */
+/** Facts that stand in the head of a material, or in those of the quarters of a sheet. */
 function factsOf(words, size) {
+    const quarters = quartersOf(words);
+    if (quarters) {
+        const text = (at) => (at === 0 ? "black" : `${words[at + 6]} lobes, at ${words[at + 5]} view angles`);
+        return [["size", `${size} bytes, a sheet`], ...quarters.map((at, n) => [QUARTERS[n].replace("-", " "), text(at)])];
+    }
     return [["size", `${size} bytes`], ["lobes", `${words[6]}, at ${words[5]} view angles`], ["surface", words[3] === 0 ? "isotropic" : "anisotropic"]];
 }
 

@@ -1,8 +1,9 @@
 // The page: what is clicked, dropped and shown.
-import { DAYLIGHT, LIGHTS, SHAPES, Tracer } from "./tracer.js";
+import { DAYLIGHT, LIGHTS, PARTS, SHAPES, SIDES, Tracer } from "./tracer.js";
 import { COLUMNS, columnOf, draw, drawSpectrum, nearest } from "./plot.js";
 import { exported, hasFitter, looked, opened } from "./opener.js";
 import { decoded } from "./tree.js";
+import { QUARTERS } from "./words.js";
 
 const data = self.srbfData;
 const at = (id) => document.getElementById(id);
@@ -124,7 +125,8 @@ function choices(fieldset, names, chosen, choose) {
 }
 
 function describe() {
-    at("canvas").setAttribute("aria-label", `${at("name").textContent} on a ${tracer?.shape ?? "ball"}, lit by the ${LIGHTS[tracer?.light ?? 2]}`);
+    const seen = tracer?.quarters ? `, ${tracer.side}, ${tracer.part === "both" ? "reflected and transmitted" : tracer.part} light,` : "";
+    at("canvas").setAttribute("aria-label", `${at("name").textContent}${seen} on a ${tracer?.shape ?? "ball"}, lit by the ${LIGHTS[tracer?.light ?? 2]}`);
 }
 
 // The plot
@@ -135,14 +137,16 @@ function plot() {
     at("degrees-text").textContent = `${degrees}°`;
     const view = nearest(shown.json.data, degrees);
     const curves = tracer.curves(degrees, COLUMNS);
-    const spectra = shown.json.spectra, marked = Number(at("marked").value);
+    const spectra = spectraShown(), marked = Number(at("marked").value);
     const width = Math.max(at("curves").clientWidth, 280);
     draw(at("curves"), curves, { degrees, isLogarithmic, width, points: view?.points ?? [], marked: spectra ? marked : null });
     const lobes = tracer.numbers.lobes + tracer.numbers.mirrored;
     const entry = (kind, text) => make("span", {}, make("i", kind ? { class: kind } : {}), text);
-    const entries = [entry("of-all", "all of them"), entry("", `each of ${lobes} lobes`), entry("of-diffuse", "diffuse")];
+    const plotted = tracer.quarters ? ` of the ${QUARTERS[tracer.quarters.indexOf(tracer.place, 2 * SIDES.indexOf(tracer.side))]?.replace("-", " ") ?? "other side"}` : "";
+    const entries = [entry("of-all", `all of them${plotted}`), entry("", `each of ${lobes} lobes`), entry("of-diffuse", "diffuse")];
     if (view) entries.push(entry("of-points", `the ${shown.json.data.are}, seen at ${Number(view.degrees.toFixed(1))}°`));
     at("legend").replaceChildren(...entries);
+    shares(degrees);
     const row = curves[0];
     let best = 0;
     for (let i = 0; i < COLUMNS; i++) if (row[4 * i] > row[4 * best]) best = i;
@@ -161,9 +165,34 @@ function spectrum({ nm, columns }, row, marked, width) {
     at("spectrum-text").textContent = `With light at ${marked} degrees, f cos is ${values[most].toPrecision(3)} per steradian at ${nm[most]} nm${nm.length > 1 ? ", its largest" : ""}.`;
 }
 
+/** The spectra of the material, or of the quarter whose lobes are plotted. */
+function spectraShown() {
+    const all = shown?.json.spectra;
+    return tracer?.quarters ? (all?.[tracer.quarters.indexOf(tracer.place)] ?? null) : (all ?? null);
+}
+
+/** How much of the light a sheet reflects and lets through. */
+function shares(degrees) {
+    at("shares").hidden = !tracer.quarters;
+    if (!tracer.quarters) return;
+    const [reflected, transmitted] = tracer.shares(degrees).map((share) => `${(100 * share).toFixed(1)} %`);
+    at("shares").textContent = `Seen from the ${tracer.side} at ${degrees}°, it shows ${reflected} of light from everywhere by reflection, and ${transmitted} by transmission.`;
+}
+
 /** The colours under a light, if the material has its spectra. */
 function lit(name) {
-    tracer?.set({ seen: shown?.json.spectra?.lights[name] ?? DAYLIGHT });
+    const of = (spectra) => spectra?.lights[name] ?? DAYLIGHT;
+    const all = shown?.json.spectra;
+    tracer?.set({ seen: tracer.quarters ? tracer.quarters.map((_, n) => of(all?.[n])) : of(all) });
+    run();
+}
+
+/** Shows a side or a part of a sheet. */
+function turnedOver(settings) {
+    tracer?.set(settings);
+    describe();
+    spectraParts();
+    plot();
     run();
 }
 
@@ -197,18 +226,27 @@ function turned() {
     run();
 }
 
+/** What is there of spectra. */
+function spectraParts() {
+    const spectra = spectraShown();
+    at("spectrum-part").hidden = !spectra;
+    at("illuminants").hidden = Object.keys(spectra?.lights ?? {}).length === 0;
+}
+
 function show(material) {
     tracer?.setMaterial(material.bytes, material.json.name);
-    at("turn-part").hidden = !tracer || tracer.numbers.kind === 0;
+    const { quarters } = tracer ?? {};
+    at("turn-part").hidden = !tracer || (quarters ?? [0]).every((place) => tracer.all[place + 3] !== 1);
+    for (const id of ["sides", "parts"]) at(id).hidden = !quarters;
+    at("shapes").hidden = Boolean(quarters);
+    at("shapes").querySelector(`[value=${tracer?.shape ?? "ball"}]`).checked = true;
     shown = material;
     const { name, facts, findings } = material.json;
     at("name").textContent = titled(name);
     document.title = `${titled(name)}, srbf`;
     at("facts").replaceChildren(...facts.flatMap(([label, text]) => [make("dt", {}, label), make("dd", {}, text)]));
     verdict(material.json.verdict, findings);
-    const spectra = material.json.spectra;
-    at("spectrum-part").hidden = !spectra;
-    at("illuminants").hidden = Object.keys(spectra?.lights ?? {}).length === 0;
+    spectraParts();
     lit(at("illuminants").querySelector(":checked")?.value);
     for (const button of at("presets").children) button.setAttribute("aria-pressed", String(button.dataset.name === material.preset));
     const views = material.json.data?.views ?? [];
@@ -275,13 +313,20 @@ function save(bytes, name) {
     setTimeout(() => URL.revokeObjectURL(url), 10000);
 }
 
-/** The evaluator with the words of a material, as `srbf export --glsl` writes it. */
+/** A material, or the quarter of a sheet that is plotted: its bytes and its name. */
+function one({ bytes, json }) {
+    if (!tracer?.quarters) return { bytes, name: json.name };
+    const { place, all, quarters } = tracer;
+    return { bytes: bytes.slice(4 * place, 4 * place + all[place + 4]), name: `${json.name}-${QUARTERS[quarters.indexOf(place)]}` };
+}
+
+/** The evaluator with the words of a material or a sheet, as `srbf export --glsl` writes it. */
 function shader(bytes) {
     const view = new DataView(bytes.slice().buffer);
     const words = Array.from({ length: bytes.length >> 2 }, (_, i) => `0x${view.getUint32(4 * i, true).toString(16).padStart(8, "0")}u`);
     const rows = Array.from({ length: Math.ceil(words.length / 8) }, (_, i) => `    ${words.slice(8 * i, 8 * i + 8).join(", ")}`);
     const n = words.length;
-    return new TextEncoder().encode(`const uint srbf_data[${n}] = uint[${n}](\n${rows.join(",\n")}\n);\nuint srbf_word(int data, int i) { return srbf_data[data + i]; }\n\n${data.evaluator}`);
+    return new TextEncoder().encode(`const uint srbf_data[${n}] = uint[${n}](\n${rows.join(",\n")}\n);\nuint srbf_word(int data, int i) { return srbf_data[data + i]; }\n\n${data.evaluator}${words[3] === "0x00000002u" ? data.sheet : ""}`);
 }
 
 const DOWNLOADS = [
@@ -298,7 +343,9 @@ function downloads() {
             if (!shown) return;
             button.disabled = true;
             try {
-                save(await make_bytes(shown.bytes), `${shown.json.name}.${ending}`);
+                // Formats of others have no sheets.
+                const { bytes, name } = needsFitter ? one(shown) : { bytes: shown.bytes, name: shown.json.name };
+                save(await make_bytes(bytes), `${name}.${ending}`);
             } catch (error) {
                 say(`${label}: ${error.message}`);
             } finally {
@@ -360,6 +407,8 @@ function begin() {
     choices(at("shapes"), SHAPES, "ball", (shape) => { tracer?.set({ shape }); describe(); run(); });
     choices(at("lights"), LIGHTS, "sky", (light) => { tracer?.set({ light: LIGHTS.indexOf(light) }); describe(); run(); });
     choices(at("illuminants"), ILLUMINANTS, "D65", lit);
+    choices(at("sides"), SIDES, SIDES[0], (side) => turnedOver({ side }));
+    choices(at("parts"), PARTS, PARTS[0], (part) => turnedOver({ part }));
     choices(at("scales"), ["log", "linear"], "log", (scale) => { isLogarithmic = scale === "log"; plot(); });
     at("exposure").addEventListener("input", (event) => {
         tracer?.set({ exposure: Number(event.target.value) });

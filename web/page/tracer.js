@@ -1,9 +1,11 @@
 // A path tracer in WebGL 2: a ball or the teapot under one of three lights, drawn from the lobes themselves. +z is up.
-import { wordsOf } from "./words.js";
+import { quartersOf, wordsOf } from "./words.js";
 import { decoded, floats, integers, tree } from "./tree.js";
 
 export const LIGHTS = ["sun", "lamps", "sky"];
 export const SHAPES = ["ball", "teapot"];
+/** What is shown of a sheet: a side, and the light that it reflects, that comes through, or both. */
+export const SIDES = ["front", "back"], PARTS = ["both", "reflected", "transmitted"];
 const WIDTH = 1024; // texels in a row of a texture of numbers
 const MOST = 2048; // pictures that are averaged
 const GOAL = 90; // milliseconds that a picture is to take: coarser ones take less
@@ -111,7 +113,8 @@ vec3 bright_draw(vec3 u) {
 
 const words = (text) => `
 uniform usampler2D material_words;
-uint srbf_word(int data, int i) { return texelFetch(material_words, ivec2(i & ${WIDTH - 1}, i / ${WIDTH}), 0).r; }
+uniform int place; // of the material in the words: of a sheet it is a quarter
+uint srbf_word(int data, int i) { return texelFetch(material_words, ivec2((data + i) & ${WIDTH - 1}, (data + i) / ${WIDTH}), 0).r; }
 ${text}`;
 
 const balls = `
@@ -223,6 +226,8 @@ uniform uint frame;
 uniform vec4 shifts[3];
 uniform mat3 seen;
 uniform vec2 turned;
+uniform float side_of_light; // -1 where it comes through
+uniform float covered; // 0 where a pass adds light to another one's
 const vec3 GROUND_ALBEDO = vec3(0.52, 0.51, 0.50);
 out vec4 sum;
 ${shape === "ball" ? balls : meshes}
@@ -247,7 +252,7 @@ void main() {
     vec2 at = floor(gl_FragCoord.xy) + jitter.xy - middle;
     vec3 o = eye;
     vec3 d = normalize(forward + right * at.x + up * at.y);
-    SrbfMaterial material = srbf_material(0);
+    SrbfMaterial material = srbf_material(place);
     vec3 carried = vec3(1.0);
     vec3 light_sum = vec3(0.0);
     float cover = 1.0;
@@ -273,8 +278,8 @@ void main() {
         vec4 second = numbers(bounce, 2);
         // Towards the bright part of the light.
         vec3 towards = bright_draw(vec3(first.w, second.xy));
-        vec3 wi = towards * surface;
-        if (wi.z > 0.0 && dot(towards, h.flat_normal) > 0.0 && is_clear(point, towards)) {
+        vec3 wi = towards * surface * vec3(1.0, 1.0, side_of_light);
+        if (wi.z > 0.0 && dot(towards, h.flat_normal) * side_of_light > 0.0 && is_clear(point, towards)) {
             SrbfValue f;
             f.value = GROUND_ALBEDO * (wi.z / PI);
             f.pdf = wi.z / PI;
@@ -292,15 +297,15 @@ void main() {
             s = srbf_sample(material, mixture, first.xyz);
             s.weight = seen * s.weight;
         }
-        d = normalize(surface * s.wi);
-        if (s.pdf <= 0.0 || dot(d, h.flat_normal) <= 0.0) { break; }
+        d = normalize(surface * vec3(s.wi.xy, s.wi.z * side_of_light));
+        if (s.pdf <= 0.0 || dot(d, h.flat_normal) * side_of_light <= 0.0) { break; }
         carried *= s.weight;
         density = s.pdf;
         o = point;
     }
     // A number that is not one would stay in the sum for ever.
     if (any(isnan(light_sum)) || any(isinf(light_sum))) { light_sum = vec3(0.0); }
-    sum = texelFetch(before, ivec2(gl_FragCoord.xy), 0) + vec4(light_sum * cover, cover);
+    sum = texelFetch(before, ivec2(gl_FragCoord.xy), 0) + vec4(light_sum * cover, cover * covered);
 }`;
 
 // The tone map of the pictures of `srbf render`: "PBR Neutral" (Khronos 2024).
@@ -346,7 +351,7 @@ uniform vec2 turned;
 uniform int columns;
 out vec4 value;
 void main() {
-    SrbfMaterial m = srbf_material(0);
+    SrbfMaterial m = srbf_material(place);
     // The frame turns with the sample, and the plane of incidence stays.
     vec2 plane = vec2(turned.x, -turned.y);
     SrbfView v = srbf_prepare(m, vec3(-sin(theta) * plane, cos(theta)));
@@ -374,6 +379,18 @@ void main() {
     value = vec4(dot(f, vec3(0.2126, 0.7152, 0.0722)), f);
 }`;
 
+// Light from everywhere, as a material shows it: luminance, red, green, blue.
+const albedos = (text) => `${head}
+${words(text)}
+uniform float theta;
+uniform vec2 turned;
+out vec4 value;
+void main() {
+    SrbfMaterial m = srbf_material(place);
+    vec3 albedo = srbf_albedo(m, srbf_prepare(m, vec3(-sin(theta) * vec2(turned.x, -turned.y), cos(theta))));
+    value = vec4(dot(albedo, vec3(0.2126, 0.7152, 0.0722)), albedo);
+}`;
+
 // A light as a latitude-longitude map, as `srbf render` reads one: rows from the top.
 const maps = `${head}
 ${lights}
@@ -399,7 +416,8 @@ export class Tracer {
         this.scales = { ball: FIRST_SCALE, teapot: FIRST_SCALE };
         this.fixedScale = null;
         [this.shape, this.light, this.exposure] = ["ball", 2, 0];
-        this.seen = DAYLIGHT; // the colours of the material's red, green and blue
+        this.seen = DAYLIGHT; // the colours of the material's red, green and blue; of a sheet four of them
+        [this.side, this.part] = [SIDES[0], PARTS[0]];
         this.turned = [1, 0]; // cosine and sine of the turn of the sample about its normal
         this.turns = Object.fromEntries(SHAPES.map((shape) => [shape, { ...STANDPOINTS[shape] }]));
         this.targets = [];
@@ -429,7 +447,7 @@ export class Tracer {
         const known = this.programs.get(name);
         if (known) return known;
         const { gl } = this;
-        const texts = { ball: () => paths(this.data.evaluator, "ball"), teapot: () => paths(this.data.evaluator, "teapot"), shown: () => display, curves: () => curves(this.data.evaluator), maps: () => maps };
+        const texts = { ball: () => paths(this.data.evaluator, "ball"), teapot: () => paths(this.data.evaluator, "teapot"), shown: () => display, curves: () => curves(this.data.evaluator), albedos: () => albedos(this.data.evaluator), maps: () => maps };
         const program = gl.createProgram();
         for (const [kind, text] of [[gl.VERTEX_SHADER, vertexShader], [gl.FRAGMENT_SHADER, texts[name]()]]) {
             const shader = gl.createShader(kind);
@@ -476,13 +494,34 @@ export class Tracer {
         gl.uniform1i(uniform, unit);
     }
 
-    /** Takes a material; throws an error that names it if it is none. */
+    /** Takes a material or a sheet; throws an error that names it if it is none. */
     setMaterial(bytes, name) {
         const words = wordsOf(bytes, name, WIDTH);
         if (this.words) this.gl.deleteTexture(this.words);
         this.words = this.texture("words", words, 1);
-        this.numbers = { lobes: words[6], mirrored: words[3] === 0 ? words[words[2] === 2 ? 9 : 8] : 0, angles: words[5], kind: words[3] };
+        this.all = words;
+        this.quarters = quartersOf(words);
+        this.seen = this.quarters ? this.quarters.map(() => DAYLIGHT) : DAYLIGHT;
+        if (this.quarters) this.shape = SHAPES[0];
         this.reset();
+    }
+
+    /** Quarters of the sheet that are shown and not black, by number. */
+    get halves() {
+        const first = 2 * SIDES.indexOf(this.side);
+        const wanted = this.part === "both" ? [first, first + 1] : [first + PARTS.indexOf(this.part) - 1];
+        return wanted.filter((quarter) => this.quarters[quarter] > 0);
+    }
+
+    /** Words before the material that is plotted: of a sheet the first quarter that is shown. */
+    get place() {
+        return this.quarters ? this.quarters[this.halves[0] ?? this.quarters.findIndex((at) => at > 0)] : 0;
+    }
+
+    /** Numbers of its head. */
+    get numbers() {
+        const own = this.all.subarray(this.place);
+        return { lobes: own[6], mirrored: own[3] === 0 ? own[own[2] === 2 ? 9 : 8] : 0, angles: own[5], kind: own[3] };
     }
 
     set(settings) {
@@ -519,8 +558,22 @@ export class Tracer {
         return { eye: target.map((v, i) => v + distance * outward[i]), forward, right: right.map((v) => v * pixel), up: up.map((v) => v * pixel) };
     }
 
-    /** Adds a picture to the sum in `targets`. */
+    /** Adds a picture to the sum in `targets`: of a sheet the light of each part. */
     add(targets, count, words = this.words, shape = this.shape) {
+        const isSheet = this.quarters && words === this.words;
+        const halves = isSheet ? this.halves : [];
+        if (halves.length === 0) return this.pass(targets, count, words, shape, { covered: 1, isBlack: isSheet });
+        halves.forEach((quarter, n) => this.pass(targets, count + n, words, shape, {
+            place: this.quarters[quarter],
+            side: quarter % 2 === 0 ? 1 : -1,
+            covered: n === 0 ? 1 : 0,
+            seen: this.seen[quarter],
+            number: count,
+        }));
+    }
+
+    /** Adds the light of one material. */
+    pass(targets, count, words, shape, { place: start = 0, side = 1, covered = 1, seen = this.seen, number: picture = count, isBlack = false }) {
         const { gl } = this;
         const { program, place } = this.program(shape);
         const [from, to] = targets;
@@ -552,9 +605,12 @@ export class Tracer {
         for (const [name, vector] of Object.entries({ eye, forward, right, up })) gl.uniform3fv(place(name), vector);
         gl.uniform2f(place("middle"), to.width / 2, to.height / 2);
         gl.uniform1i(place("light"), this.light);
-        gl.uniformMatrix3fv(place("seen"), false, this.seen);
+        gl.uniformMatrix3fv(place("seen"), false, isBlack ? new Array(9).fill(0) : seen);
         gl.uniform2fv(place("turned"), this.turned);
-        const number = this.first + count;
+        gl.uniform1i(place("place"), isBlack ? this.place : start);
+        gl.uniform1f(place("side_of_light"), side);
+        gl.uniform1f(place("covered"), covered);
+        const number = this.first + picture;
         gl.uniform1ui(place("frame"), number);
         // Multiples of powers of a root: points that fill a cube of twelve dimensions evenly (Roberts 2018).
         const root = 1.05705; // of x^13 = x + 1
@@ -694,14 +750,26 @@ export class Tracer {
 
     /** `f cos` over the plane of incidence, -90 to 90 degrees: of all, of each lobe and of the diffuse term, luminance first. */
     curves(degrees, columns) {
-        const rows = this.numbers.lobes + this.numbers.mirrored + 2;
+        const { lobes, mirrored } = this.numbers, rows = lobes + mirrored + 2;
         const values = this.table("curves", columns, rows, (gl, place) => {
             this.bind(0, this.words, place("material_words"));
             gl.uniform1f(place("theta"), (degrees * Math.PI) / 180);
+            gl.uniform1i(place("place"), this.place);
             gl.uniform2fv(place("turned"), this.turned);
             gl.uniform1i(place("columns"), columns);
         });
         return Array.from({ length: rows }, (_, row) => values.subarray(4 * row * columns, 4 * (row + 1) * columns));
+    }
+
+    /** Reflected and transmitted share of light from everywhere, luminance: of the side of the sheet that is shown. */
+    shares(degrees) {
+        const first = 2 * SIDES.indexOf(this.side);
+        return [first, first + 1].map((quarter) => this.quarters[quarter] && this.table("albedos", 1, 1, (gl, place) => {
+            this.bind(0, this.words, place("material_words"));
+            gl.uniform1i(place("place"), this.quarters[quarter]);
+            gl.uniform1f(place("theta"), (degrees * Math.PI) / 180);
+            gl.uniform2fv(place("turned"), this.turned);
+        })[0]);
     }
 
     /** A light as a map: numbers, rows from the top. */

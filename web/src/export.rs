@@ -1,25 +1,31 @@
-//! A material in the format of another program.
+//! A material or a sheet in the format of another program.
 
-use srbf_core::Material;
-use srbf_evaluator::{Language, can_read, json};
+use srbf_evaluator::{Language, Surface};
 use srbf_fit::export::{Lobes, merl, rgl};
 
-/// Writes a material in a format: `rgl`, `merl`, `json`, or a language of the evaluator such as `glsl`.
+/// Writes a material in a format: `rgl`, `merl`, `json`, or a language of the evaluator such as `glsl`. The first two have no sheets.
 ///
 /// # Errors
-/// In words: for bytes that are no material, an anisotropic material in a format without them, and a format that is not known.
+/// In words: for bytes of neither, for what the format does not hold, and for a format that is not known.
 pub fn export(bytes: &[u8], format: &str) -> Result<Vec<u8>, String> {
-    let material = Material::from_bytes(bytes).map_err(|error| error.to_string())?;
-    match format {
-        "rgl" => rgl(&Lobes(material), None).map_err(|error| error.to_string()),
-        "merl" => merl(&Lobes(material)).map(|file| file.bytes).map_err(|error| error.to_string()),
-        _ if !can_read(&material) => Err("a material of format version 1, which shaders do not read".into()),
-        "json" => Ok(json(&material).into_bytes()),
-        name => {
+    let surface = Surface::from_bytes(bytes).map_err(|error| error.to_string())?;
+    match (format, surface) {
+        ("rgl", Surface::Material(material)) => {
+            rgl(&Lobes(material), None).map_err(|error| error.to_string())
+        }
+        ("merl", Surface::Material(material)) => {
+            merl(&Lobes(material)).map(|file| file.bytes).map_err(|error| error.to_string())
+        }
+        ("rgl" | "merl", _) => Err(format!("format {format}: a quarter of the sheet is expected")),
+        (_, surface) if !surface.can_read() => {
+            Err("a material of format version 1, which shaders do not read".into())
+        }
+        ("json", surface) => Ok(surface.json().into_bytes()),
+        (name, surface) => {
             let language = Language::from_name(name);
             let language = language
                 .ok_or_else(|| format!("format {name}: rgl, merl, json or a language is expected"))?;
-            Ok(srbf_evaluator::export(&material, language).into_bytes())
+            Ok(surface.export(language).into_bytes())
         }
     }
 }
@@ -27,8 +33,10 @@ pub fn export(bytes: &[u8], format: &str) -> Result<Vec<u8>, String> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use srbf_core::Material;
 
     const PRESET: &[u8] = include_bytes!("../../presets/garnet_red.srbf");
+    const SHEET: &[u8] = include_bytes!("../../presets/sheets/ground_glass.srbf");
 
     #[test]
     fn every_format_is_written_and_read_again() {
@@ -51,6 +59,14 @@ mod tests {
         let shader = String::from_utf8(export(PRESET, "glsl").unwrap()).unwrap();
         assert!(shader.contains("srbf_evaluate(") && shader.contains("srbf_data"));
         assert!(export(PRESET, "json").unwrap().starts_with(b"{"));
+    }
+
+    #[test]
+    fn a_sheet_is_a_shader_and_its_quarters_are_tables() {
+        let shader = String::from_utf8(export(SHEET, "glsl").unwrap()).unwrap();
+        assert!(shader.contains("srbf_sheet_sample(") && shader.contains("srbf_data"));
+        assert!(export(SHEET, "json").unwrap().starts_with(b"{"));
+        assert!(export(SHEET, "rgl").unwrap_err().contains("a quarter"));
     }
 
     #[test]

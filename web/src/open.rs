@@ -3,8 +3,8 @@
 use crate::points::points;
 use crate::spectra::spectra;
 use serde_json::{Value, json};
-use srbf_core::{Material, printable, printable_lines};
-use srbf_evaluator::plain_bytes;
+use srbf_core::{Material, Quarter, Sheet, printable, printable_lines};
+use srbf_evaluator::{QUARTERS, Surface};
 use srbf_fit::judge::reciprocity::reciprocity;
 use srbf_fit::judge::report::{Report, factor_words};
 use srbf_fit::judge::verdict::Verdict;
@@ -14,16 +14,16 @@ use srbf_fit::{Settings, fit_source};
 /// First bytes of a `.srbf` file.
 const MAGIC: &[u8] = b"\x89SRBF";
 
-/// A material with the texts and points that the page shows beside it.
+/// A material or a sheet with the texts and points that the page shows beside it.
 #[derive(Debug)]
 pub struct Opened {
-    /// The material, as `.srbf` bytes.
+    /// It as `.srbf` bytes in plain numbers.
     pub bytes: Vec<u8>,
-    /// `name`, `facts` (label and text), `findings`, `verdict`, `data` (see the page's `plot.js`) and `spectra`.
+    /// `name`, `facts` (label and text), `findings`, `verdict`, `data` (see the page's `plot.js`) and `spectra`: of a sheet those of each quarter.
     pub json: Value,
 }
 
-/// Opens a file: a `.srbf` material is checked, a measurement read, fitted with the usual settings and judged.
+/// Opens a file: a `.srbf` material or sheet is checked, a measurement read, fitted with the usual settings and judged.
 ///
 /// `progress` is called with the share of the fit that is done, 0 to 1.
 ///
@@ -32,9 +32,16 @@ pub struct Opened {
 pub fn open(name: &str, bytes: &[u8], progress: impl FnMut(f64) + Send) -> Result<Opened, String> {
     if bytes.starts_with(MAGIC) {
         let name = &printable(name).to_string();
-        let material = Material::from_bytes(bytes).map_err(|error| format!("{name}: {error}"))?;
-        let json = json!({"name": stem(name), "facts": facts(&material), "findings": [], "verdict": [], "data": null, "spectra": spectra(&material)});
-        return Ok(Opened { bytes: plain_bytes(&material).into_owned(), json });
+        let surface = Surface::from_bytes(bytes).map_err(|error| format!("{name}: {error}"))?;
+        let (facts, spectra) = match &surface {
+            Surface::Material(material) => (facts(material), spectra(material)),
+            Surface::Sheet(sheet) => {
+                let of = |quarter| sheet.quarter(quarter).map_or(Value::Null, |own| spectra(&own));
+                (facts_of_sheet(sheet), json!(Quarter::ALL.map(of)))
+            }
+        };
+        let json = json!({"name": stem(name), "facts": facts, "findings": [], "verdict": [], "data": null, "spectra": spectra});
+        return Ok(Opened { bytes: surface.plain_bytes().into_owned(), json });
     }
     let source = read_from(name, bytes, &Conventions::default()).map_err(|error| error.to_string())?;
     fitted(&source, progress)
@@ -78,9 +85,36 @@ fn findings(report: &Report) -> Vec<String> {
     all.filter(|finding| finding.is_off).map(|finding| finding.text.clone()).collect()
 }
 
-/// Properties of a material: label and text.
+/// A label and a text.
+fn fact(label: &str, text: String) -> [String; 2] {
+    [label.to_owned(), text]
+}
+
+/// A text of a stranger.
+fn made_of(provenance: &str) -> [String; 2] {
+    fact("made of", printable_lines(provenance).to_string().trim().to_owned())
+}
+
+/// Properties of a sheet: its quarters.
+fn facts_of_sheet(sheet: &Sheet<&[u8]>) -> Vec<[String; 2]> {
+    let of = |quarter: Quarter| {
+        let words = |own: Material<&[u8]>| {
+            let kind = if own.is_isotropic() { "" } else { ", anisotropic" };
+            format!("{} lobes, at {} views{kind}", own.lobe_count(), own.view_count())
+        };
+        let text = sheet.quarter(quarter).map_or_else(|| "black".to_owned(), words);
+        fact(&QUARTERS[quarter as usize].replace('-', " "), text)
+    };
+    let is_stored = |quarter: &Quarter| !(sheet.is_symmetric() && quarter.is_back());
+    let mut facts = vec![fact("size", format!("{} bytes, a sheet", sheet.bytes().len()))];
+    facts.extend(Quarter::ALL.into_iter().filter(is_stored).map(of));
+    facts.extend(sheet.is_symmetric().then(|| fact("back", "like the front".to_owned())));
+    facts.push(made_of(sheet.provenance()));
+    facts
+}
+
+/// Properties of a material.
 fn facts(material: &Material<&[u8]>) -> Vec<[String; 2]> {
-    let fact = |label: &str, text: String| [label.to_owned(), text];
     let factors = factor_words(material).unwrap_or_else(|| "none".to_owned());
     let kind = if material.is_isotropic() { "isotropic" } else { "anisotropic" };
     let map = material.spectral_map().and_then(|map| Spectra::of_map(map, None).ok());
@@ -90,7 +124,7 @@ fn facts(material: &Material<&[u8]>) -> Vec<[String; 2]> {
         fact("surface", kind.to_owned()),
         fact("factors", factors),
         fact("spectrum", map.map_or_else(|| "none".to_owned(), |map| map.text())),
-        fact("made of", printable_lines(material.provenance()).to_string().trim().to_owned()),
+        made_of(material.provenance()),
     ]
 }
 
@@ -118,6 +152,16 @@ mod tests {
         let shown = Material::from_bytes(opened.bytes.as_slice()).unwrap();
         assert_eq!((shown.code_bits(), shown.view_count()), (None, material.view_count()));
         assert_eq!(opened.json["facts"][0][1], format!("{} bytes", packed.len()));
+    }
+
+    #[test]
+    fn a_sheet_has_its_quarters() {
+        let glass = include_bytes!("../../presets/sheets/ground_glass.srbf");
+        let opened = open("glass.srbf", glass, |_| {}).unwrap();
+        assert_eq!(opened.bytes, glass);
+        let facts = opened.json["facts"].to_string();
+        assert!(facts.contains("front transmission") && facts.contains("\"black\""), "{facts}");
+        assert_eq!(opened.json["spectra"].as_array().map(Vec::len), Some(4));
     }
 
     #[test]

@@ -4,7 +4,7 @@ use crate::open::{Opened, open};
 use base64::Engine;
 use base64::prelude::BASE64_STANDARD;
 use serde_json::{Value, json};
-use srbf_evaluator::{Language, text};
+use srbf_evaluator::{Language, sheet_text, text};
 
 /// A material that the page has.
 pub struct Preset<'a> {
@@ -77,10 +77,14 @@ fn data(presets: &[Preset<'_>], teapot: &Teapot<'_>, opened: Option<&Opened>) ->
     let preset = |preset: &Preset<'_>| open(&format!("{}.srbf", preset.name), preset.bytes, |_| {});
     let presets: Vec<Opened> = presets.iter().map(preset).collect::<Result<_, _>>()?;
     let presets: Vec<Value> = presets.iter().map(material).collect();
+    let evaluator = text(Language::Glsl);
+    // What a shader of a sheet has behind it.
+    let sheet = sheet_text(Language::Glsl).split_off(evaluator.len());
     let data = json!({
         "version": env!("CARGO_PKG_VERSION"),
         "presets": presets,
-        "evaluator": text(Language::Glsl),
+        "evaluator": evaluator,
+        "sheet": sheet,
         "teapot": {
             "positions": floats(teapot.positions),
             "normals": floats(teapot.normals),

@@ -1,23 +1,25 @@
 //! `srbf export`.
 
 use crate::out::output;
+use crate::truth::stored::surface;
 use anyhow::{Context, ensure};
-use srbf_core::Material;
-use srbf_evaluator::{Language, can_read, export, json, text};
+use srbf_evaluator::{Language, sheet_text, text};
 use std::io::Write;
 use std::path::PathBuf;
 
-/// Most bytes of a material that is read.
+/// Most bytes of a file that is read.
 const MAX_FILE: u64 = 1 << 26;
 
-/// Writes a material for a shader or a program that does not link the library: one text that evaluates and draws from it, with its numbers.
+/// Writes a material or a sheet for a shader or a program that does not link the library: one text that evaluates and draws from it, with
+/// its numbers.
 ///
 /// The text is the same for all languages but for their words. The words of FILE stand in it as constants, `srbf_data`; with --buffer
 /// they do not, and the text reads any `.srbf` file in place, from memory or through a function `srbf_word` of yours.
+/// Of a sheet it has all quarters, and functions that choose the side; FILE.srbf:front-transmission is a quarter alone.
 /// docs/use-from-shaders.md says how, and how far values are from the library's: 3e-4.
 #[derive(Debug, clap::Args)]
 pub struct Args {
-    /// The fitted material, `.srbf`; not with --buffer
+    /// The fitted material or sheet, `.srbf`; not with --buffer
     #[arg(required_unless_present = "buffer", conflicts_with = "buffer")]
     file: Option<PathBuf>,
     #[command(flatten)]
@@ -25,6 +27,9 @@ pub struct Args {
     /// The text alone, which reads materials from memory
     #[arg(long, conflicts_with = "json")]
     buffer: bool,
+    /// The text alone has the functions of a sheet too
+    #[arg(long, requires = "buffer")]
+    sheet: bool,
     /// The file to write [default: standard output]
     #[arg(long, short, value_name = "FILE")]
     output: Option<PathBuf>,
@@ -80,17 +85,18 @@ impl Chosen {
 /// Runs the command.
 pub fn run(args: &Args) -> anyhow::Result<()> {
     let written = match (&args.file, args.language.language()) {
-        (None, language) => text(language.context("--buffer: JSON has no text")?),
+        (None, language) => {
+            let language = language.context("--buffer: JSON has no text")?;
+            if args.sheet { sheet_text(language) } else { text(language) }
+        }
         (Some(file), language) => {
-            let named = || file.display().to_string();
-            let bytes = srbf_fit::read_at_most(file, MAX_FILE).with_context(named)?;
-            let material = Material::from_bytes(bytes).with_context(named)?;
+            let surface = surface(file, MAX_FILE)?;
             ensure!(
-                can_read(&material),
+                surface.can_read(),
                 "{}: of format version 1, which the text does not read",
                 file.display()
             );
-            language.map_or_else(|| json(&material), |language| export(&material, language))
+            language.map_or_else(|| surface.json(), |language| surface.export(language))
         }
     };
     match &args.output {

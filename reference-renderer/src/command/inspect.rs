@@ -1,16 +1,17 @@
 //! `srbf inspect`.
 
 use crate::truth::LargeMixture;
+use crate::truth::sheets::sheet_in;
 use crate::truth::stored::{QUARTERS, StoredMaterial};
 use glam::Vec3;
-use srbf_core::{MAX_LOBES, Material, Quarter, Sheet, SpectralMap, printable, read_file};
+use srbf_core::{MAX_LOBES, Material, Quarter, Sheet, SheetMixture, SpectralMap, luminance, printable};
 use srbf_fit::judge::report::{factor_bytes, factor_words};
 
-/// Prints the content of a .srbf material.
+/// Prints the content of a .srbf material or sheet.
 ///
 /// A line for each view: its angle, the squeeze, the albedo in closed form, the share of it that the diffuse term has,
 /// the range of the lobes' sharpness, and the share of the strongest lobe. Of an anisotropic material also the azimuth, and the
-/// squeeze along and across the axes that it has.
+/// squeeze along and across the axes that it has. Of a sheet its quarters, and the shares of the light that it reflects and transmits.
 #[derive(Debug, clap::Args)]
 pub struct Args {
     /// A .srbf file or the name of a preset
@@ -23,11 +24,8 @@ pub struct Args {
 
 /// Runs the command.
 pub fn run(args: Args) -> anyhow::Result<()> {
-    if let Ok(bytes) = read_file(args.material.as_ref())
-        && let Ok(sheet) = Sheet::from_bytes(bytes)
-    {
-        print_sheet(&args.material, &sheet);
-        return Ok(());
+    if let Some(sheet) = sheet_in(args.material.as_ref())? {
+        return print_sheet(&args.material, &sheet, args.lobes);
     }
     let stored = StoredMaterial::load(&args.material)?;
     let material = &stored.material;
@@ -99,8 +97,8 @@ pub fn run(args: Args) -> anyhow::Result<()> {
     Ok(())
 }
 
-/// Prints the quarters of a sheet.
-fn print_sheet(name: &str, sheet: &Sheet<Vec<u8>>) {
+/// Prints the quarters of a sheet, and what it does with light.
+fn print_sheet(name: &str, sheet: &Sheet<Vec<u8>>, with_lobes: bool) -> anyhow::Result<()> {
     println!("name        {}", printable(name));
     println!("bytes       {}, a sheet", sheet.bytes().len());
     if sheet.is_symmetric() {
@@ -122,13 +120,29 @@ fn print_sheet(name: &str, sheet: &Sheet<Vec<u8>>) {
     for (n, line) in sheet.provenance().lines().enumerate() {
         println!("{}  {}", if n == 0 { "provenance" } else { "         |" }, printable(line));
     }
-    println!("\n  degrees   share of draws that are reflected, in front and behind");
+    println!("\n           in front                           behind");
+    println!("  degrees  reflected  transmitted  of draws  reflected  transmitted  of draws");
+    let mut pair = SheetMixture::<MAX_LOBES>::empty();
     for degrees in [0.0f32, 20.0, 40.0, 60.0, 75.0, 85.0] {
         let (sin, cos) = degrees.to_radians().sin_cos();
-        let [front, back] = [cos, -cos].map(|z| sheet.reflected_share(Vec3::new(sin, 0.0, z)));
-        println!("  {degrees:>7}   {front:.3}  {back:.3}");
+        print!("  {degrees:>7}");
+        for wo in [cos, -cos].map(|z| Vec3::new(sin, 0.0, z)) {
+            sheet.prepare(wo, &mut pair)?;
+            let [reflected, transmitted] = pair.albedos().map(luminance);
+            print!("  {reflected:>9.4}  {transmitted:>11.4}  {:>8.3}", sheet.reflected_share(wo));
+        }
+        println!();
     }
-    println!("\nA quarter is a material: {}:front-transmission", printable(name));
+    println!("\nShares of the light, and of the draws those that are reflected.");
+    println!("A quarter is a material: {}:front-transmission", printable(name));
+    for quarter in Quarter::ALL.into_iter().filter(|_| with_lobes) {
+        let is_stored = !(sheet.is_symmetric() && quarter.is_back());
+        if let Some(material) = sheet.quarter(quarter).filter(|_| is_stored) {
+            println!("\n{}:", QUARTERS[quarter as usize]);
+            print_lobes(&material);
+        }
+    }
+    Ok(())
 }
 
 /// The map from colours to spectra in words.

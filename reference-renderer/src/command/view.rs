@@ -6,7 +6,8 @@ mod server;
 use crate::out::print;
 use crate::out::print::shown;
 use crate::out::progress::Progress;
-use crate::truth::stored::{MATTE, PRESETS, StoredMaterial};
+use crate::truth::sheets::sheet_in;
+use crate::truth::stored::{MATTE, PRESETS, StoredMaterial, is_fit};
 use crate::world::teapot;
 use anyhow::{Context, anyhow};
 use server::Server;
@@ -19,13 +20,13 @@ const TEAPOT_STEPS: u32 = 10;
 /// Largest fitter that is read.
 const MAX_FITTER: u64 = 1 << 26;
 
-/// Shows a material in a browser: ball and teapot, lobes, verdict.
+/// Shows a material or a sheet in a browser: ball and teapot, lobes, verdict.
 ///
 /// A measurement is fitted first, as `srbf fit` does. The page is served on the loopback address alone, until the command is ended by
-/// Ctrl-C. Materials may be dropped on it. Measurements too, if --page names a folder of `packaging/web`, which holds the fitter for browsers.
+/// Ctrl-C. Of a sheet both sides are shown, by the light that they reflect and by that which comes through. Materials may be dropped on it. Measurements too, if --page names a folder of `packaging/web`, which holds the fitter for browsers.
 #[derive(Debug, clap::Args)]
 pub struct Args {
-    /// The material, a .srbf file or the name of a preset; or a measurement or model that `srbf fit` reads [default: the presets]
+    /// The material or the sheet, a .srbf file or the name of a preset; or a measurement or model that `srbf fit` reads [default: the presets]
     #[arg(value_name = "FILE|PRESET|MODEL")]
     material: Option<String>,
     /// Port of the loopback address; 0 is any that is free
@@ -79,12 +80,15 @@ fn fitter(folder: &Path) -> anyhow::Result<Vec<u8>> {
         .with_context(|| format!("--page: {}: a folder that `packaging/web` wrote is expected", shown(&file)))
 }
 
-/// The material of a name: as it is stored, or fitted.
+/// The material or the sheet of a name: as it is stored, or fitted.
 fn opened(name: &str) -> anyhow::Result<Opened> {
-    let is_stored = name == MATTE
-        || PRESETS.iter().any(|preset| preset.0 == name)
-        || Path::new(name).extension().is_some_and(|end| end.eq_ignore_ascii_case("srbf"));
-    if is_stored {
+    let path = Path::new(name);
+    if let Some(sheet) = sheet_in(path)? {
+        let stem = path.file_stem().unwrap_or_default().to_string_lossy();
+        return open(&format!("{stem}.srbf"), sheet.bytes(), |_| {}).map_err(|text| anyhow!(text));
+    }
+    let is_preset = name == MATTE || PRESETS.iter().any(|preset| preset.0 == name);
+    if is_preset || is_fit(path) {
         let StoredMaterial { name, material } = StoredMaterial::load(name)?;
         return open(&format!("{name}.srbf"), material.bytes(), |_| {}).map_err(|text| anyhow!(text));
     }

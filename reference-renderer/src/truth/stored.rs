@@ -2,6 +2,8 @@
 
 use anyhow::{Context, bail};
 use srbf_core::{Line, Material, PlaneLobe, Quarter, Sheet, View, color_differences, read_file};
+pub use srbf_evaluator::QUARTERS;
+use srbf_evaluator::Surface;
 use std::borrow::Cow;
 use std::path::Path;
 
@@ -21,10 +23,6 @@ pub const MATTE: &str = "matte";
 /// The bytes of a preset, or those of a file.
 pub type Bytes = Cow<'static, [u8]>;
 
-/// Names of the quarters of a sheet, in the order of [`Quarter::ALL`].
-pub const QUARTERS: [&str; 4] =
-    ["front-reflection", "front-transmission", "back-reflection", "back-transmission"];
-
 /// The file and the quarter of a sheet that a name such as `cloth.srbf:front-transmission` stands for.
 fn quarter_of(name: &str) -> Option<(&Path, Quarter)> {
     let (path, quarter) = name.rsplit_once(':')?;
@@ -37,6 +35,23 @@ pub fn is_fit(name: &Path) -> bool {
     let text = name.to_string_lossy();
     let path = quarter_of(&text).map_or(name, |(path, _)| path);
     path.extension().is_some_and(|end| end.eq_ignore_ascii_case("srbf"))
+}
+
+/// The material or the sheet of a file of at most so many bytes; the material of a quarter that is named.
+///
+/// # Errors
+/// Names the file and the place in it.
+pub fn surface(name: &Path, most: u64) -> anyhow::Result<Surface<Vec<u8>>> {
+    let text = name.to_string_lossy();
+    let (path, quarter) = quarter_of(&text).map_or((name, None), |(path, quarter)| (path, Some(quarter)));
+    let read = || {
+        let bytes = srbf_fit::read_at_most(path, most)?;
+        let Some(quarter) = quarter else { return anyhow::Ok(Surface::from_bytes(bytes)?) };
+        let sheet = Sheet::from_bytes(bytes)?;
+        let material = sheet.quarter(quarter).context("this quarter of the sheet is black")?;
+        Ok(Surface::Material(Material::from_bytes(material.bytes().to_vec())?))
+    };
+    read().with_context(|| name.display().to_string())
 }
 
 /// A material and its name.
