@@ -42,11 +42,47 @@ const expectThat = (holds, what) => {
     isRight &&= holds;
 };
 
+/** A sheet, with viewers and lights on both sides. */
+function sheet(srbf, file, bytes, pairs) {
+    pairs.forEach(({ wo, wi }, i) => {
+        wo[2] *= i & 1 ? -1 : 1;
+        wi[2] *= i & 2 ? -1 : 1;
+    });
+    const others = expected(file, pairs), own = srbf.sheet(bytes);
+    const worst = { value: 0, density: 0, direction: 0, weight: 0, albedo: 0 };
+    const note = (name, error) => { worst[name] = Math.max(worst[name], Number.isFinite(error) ? error : Infinity); };
+    pairs.forEach(({ wo, wi, u }, i) => {
+        const other = others[i], found = own.evaluate(wo, wi), drawn = own.sample(wo, u), { reflected, transmitted } = own.albedos(wo);
+        const power = [reflected, transmitted].reduce((sum, [r, g, b]) => sum + 0.2126 * r + 0.7152 * g + 0.0722 * b, 0);
+        note("value", far(found.value, other.value) / Math.max(most(other.value), other.pdf * power));
+        note("density", other.pdf === 0 ? found.pdf : Math.abs(found.pdf / other.pdf - 1));
+        note("direction", far(drawn.direction, other.direction));
+        note("weight", far(drawn.weight, other.weight) / most(other.weight));
+        note("albedo", far(wo[2] < 0 === wi[2] < 0 ? reflected : transmitted, other.albedo) / Math.max(most(other.albedo), 1e-3));
+    });
+    const text = Object.entries(worst).map(([name, error]) => `${name} ${error.toExponential(1)}`).join(", ");
+    console.log(`  ${file.split("/").pop()}, a sheet: worst of ${PAIRS} pairs: ${text}`);
+    for (const [name, error] of Object.entries(worst)) expectThat(error <= BOUND[name], `${file}: ${name} ${error}`);
+    for (const broken of [bytes.subarray(0, 100), bytes.map((byte, at) => (at === 60 ? byte ^ 1 : byte))]) {
+        try {
+            srbf.sheet(broken);
+            expectThat(false, "a damaged sheet is refused");
+        } catch (error) {
+            expectThat(error.message.startsWith("a sheet is expected"), error.message);
+        }
+    }
+    own.free();
+}
+
 for (const isSimd of [false, true]) {
     const srbf = await load({ isSimd });
     console.log(`${isSimd ? "simd128" : "scalar"}: ${WebAssembly.Module.imports(new WebAssembly.Module(await readFile(new URL(isSimd ? "srbf-simd.wasm" : "srbf.wasm", import.meta.resolve("srbf-wasm"))))).length} imports`);
     for (const file of materials) {
         const pairs = Array.from({ length: PAIRS }, () => ({ wo: direction(), wi: direction(), u: [random(), random(), random()] }));
+        if ((await readFile(file))[12] === 2) {
+            sheet(srbf, file, await readFile(file), pairs);
+            continue;
+        }
         const others = expected(file, pairs);
         const bytes = await readFile(file);
         const material = srbf.material(bytes);

@@ -51,6 +51,25 @@ export class Material {
     free(): void;
 }
 
+/**
+ * A thin surface that reflects light and lets some through. Directions are in the frame of the sheet, whose front is +z, and may lie in front
+ * or behind.
+ */
+export class Sheet {
+    /** Whether the back is like the front. */
+    readonly isSymmetric: boolean;
+    /** The materials, null for one that is black; their directions lie above the horizon. */
+    readonly quarters: Record<"front-reflection" | "front-transmission" | "back-reflection" | "back-transmission", Material | null>;
+    evaluate(wo: ArrayLike<number>, wi: ArrayLike<number>): Value;
+    /** The first number chooses between reflection and transmission. */
+    sample(wo: ArrayLike<number>, u: ArrayLike<number>): Sample;
+    /** Shares of the light that are reflected and transmitted, linear sRGB. */
+    albedos(wo: ArrayLike<number>): { reflected: Vector; transmitted: Vector };
+    /** Share of the draws that are reflected. */
+    reflectedShare(wo: ArrayLike<number>): number;
+    free(): void;
+}
+
 /** An error of the library, by its status in `srbf.h`. */
 export class SrbfError extends Error {
     readonly status: number;
@@ -59,6 +78,8 @@ export class SrbfError extends Error {
 export interface Srbf {
     /** Checks the bytes of a .srbf file; throws an `SrbfError` for others. */
     material(bytes: ArrayBuffer | Uint8Array): Material;
+    /** The same of a sheet, whose head is checked here. */
+    sheet(bytes: ArrayBuffer | Uint8Array): Sheet;
     /** The functions of `srbf.h`, `srbf_allocate`, `srbf_free` and `memory`. */
     readonly exports: WebAssembly.Exports;
     readonly isSimd: boolean;

@@ -70,6 +70,10 @@ class Srbf {
     material(bytes) {
         return new Material(this, bytes instanceof ArrayBuffer ? new Uint8Array(bytes) : bytes);
     }
+
+    sheet(bytes) {
+        return new Sheet(this, bytes instanceof ArrayBuffer ? new Uint8Array(bytes) : bytes);
+    }
 }
 
 /** A material in memory of WebAssembly. */
@@ -208,3 +212,106 @@ export class Mixture {
         this.material.mixtures.delete(this);
     }
 }
+
+/** Names of the quarters of a sheet, in the order of the file. */
+const QUARTERS = ["front-reflection", "front-transmission", "back-reflection", "back-transmission"];
+const TAGS = ["FREF", "FTRA", "BREF", "BTRA"];
+const HEIGHTS = 16; // for which the share of draws is stored
+
+function crc32(bytes) {
+    let crc = ~0;
+    for (const byte of bytes) {
+        crc ^= byte;
+        for (let bit = 0; bit < 8; bit++) crc = (crc >>> 1) ^ (crc & 1 ? 0xedb88320 : 0);
+    }
+    return ~crc >>> 0;
+}
+
+/** Places and lengths of the quarters in the bytes of a sheet, which are checked but for the materials. */
+function quartersOf(bytes) {
+    const expect = (holds, what) => { if (!holds) throw new Error(`a sheet is expected: ${what}`); };
+    const view = new DataView(bytes.buffer, bytes.byteOffset, bytes.length);
+    const word = (at) => view.getUint32(at, true);
+    const tag = (at) => String.fromCharCode(...bytes.subarray(at, at + 4));
+    expect(bytes.length >= 84 && word(0) === 0x42525389 && word(4) === 0x1a0a0d46, "the bytes are no .srbf file");
+    expect(word(8) === 3 && word(12) === 2, "the file holds a material");
+    expect(word(16) === bytes.length && bytes.length % 4 === 0, "the length does not fit");
+    const end = bytes.length - 4, isSymmetric = word(20) === 1, places = {};
+    expect(crc32(bytes.subarray(0, end)) === word(end), "the bytes are damaged");
+    expect(word(20) <= 1 && tag(40) === "SHAR" && word(44) === 2 * HEIGHTS, "there are no shares of draws");
+    for (let at = 80; at < end;) {
+        const quarter = TAGS.indexOf(tag(at)), length = at + 8 <= end ? word(at + 4) : Infinity;
+        expect(at + 8 + length <= end, `the block at ${at} is too long`);
+        expect((quarter >= 0 && !places[quarter] && !(isSymmetric && quarter > 1)) || bytes[at] >= 97, `the block at ${at} is not known`);
+        if (quarter >= 0) places[quarter] = bytes.subarray(at + 8, at + 8 + length);
+        at += 8 + 4 * Math.ceil(length / 4);
+    }
+    expect(Object.keys(places).length > 0, "it has no quarters");
+    return { places, isSymmetric, shares: [48, isSymmetric ? 48 : 64].map((at) => bytes.slice(at, at + HEIGHTS)) };
+}
+
+/** A thin surface: up to four materials in memory of WebAssembly, and the share of draws between them. */
+export class Sheet {
+    constructor(srbf, bytes) {
+        const { places, isSymmetric, shares } = quartersOf(bytes);
+        Object.assign(this, { isSymmetric, shares, materials: [] });
+        try {
+            for (const quarter of [0, 1, 2, 3]) {
+                this.materials.push(isSymmetric && quarter > 1 ? this.materials[quarter - 2] : places[quarter] ? new Material(srbf, places[quarter]) : null);
+            }
+        } catch (error) {
+            this.free();
+            throw error;
+        }
+        this.quarters = Object.fromEntries(QUARTERS.map((name, n) => [name, this.materials[n]]));
+    }
+
+    /** The material of a half that an outgoing direction sees, or null. */
+    half(wo, isTransmission) { return this.materials[(wo[2] < 0 ? 2 : 0) + (isTransmission ? 1 : 0)]; }
+
+    reflectedShare(wo) {
+        const [reflection, transmission] = [this.half(wo, false), this.half(wo, true)];
+        if (!reflection || !transmission) return transmission ? 0 : 1;
+        const codes = this.shares[wo[2] < 0 ? 1 : 0];
+        const place = Math.min(Math.abs(wo[2]) * (HEIGHTS - 1), HEIGHTS - 1), below = Math.min(Math.floor(place), HEIGHTS - 2);
+        return (codes[below] + (codes[below + 1] - codes[below]) * (place - below)) / 255;
+    }
+
+    /** The share of draws of a half. */
+    share(wo, isTransmission) {
+        const reflected = this.reflectedShare(wo);
+        return isTransmission ? 1 - reflected : reflected;
+    }
+
+    evaluate(wo, wi) {
+        const isTransmission = wo[2] < 0 !== wi[2] < 0;
+        const found = this.half(wo, isTransmission)?.evaluate(upward(wo), upward(wi)) ?? { value: [0, 0, 0], pdf: 0 };
+        return { value: found.value, pdf: found.pdf * this.share(wo, isTransmission) };
+    }
+
+    sample(wo, u) {
+        const reflected = this.reflectedShare(wo), isTransmission = !(u[0] < reflected);
+        const share = isTransmission ? 1 - reflected : reflected;
+        const first = Math.min((isTransmission ? u[0] - reflected : u[0]) / share, 0.99999994);
+        const drawn = this.half(wo, isTransmission)?.sample(upward(wo), [first, u[1], u[2]]) ?? { direction: [0, 0, 1], pdf: 0, weight: [0, 0, 0] };
+        const { direction: [x, y, z], pdf, weight } = drawn;
+        const direction = [x, y, wo[2] < 0 !== isTransmission ? -z : z];
+        return { direction, pdf: pdf * share, weight: weight.map((v) => v / share) };
+    }
+
+    albedos(wo) {
+        const of = (isTransmission) => {
+            const material = this.half(wo, isTransmission);
+            return material ? material.prepare(upward(wo), material.own).albedo : [0, 0, 0];
+        };
+        return { reflected: of(false), transmitted: of(true) };
+    }
+
+    free() {
+        new Set(this.materials).forEach((material) => material?.free());
+        this.materials = [];
+    }
+}
+
+/** A direction as a quarter has it. */
+const upward = ([x, y, z]) => [x, y, Math.abs(z)];

@@ -109,6 +109,26 @@ async function turns(page) {
     await page.call(`document.querySelector("[data-name=garnet_red]").click()`);
 }
 
+/** Both sides of a sheet, and the light that each part adds. */
+async function sheets(page) {
+    await page.give("#file", [join(folder, "presets", "sheets", "ground_glass.srbf")]);
+    await page.until(`document.getElementById("name").textContent === "Ground glass"`);
+    const seen = async (side, part) => {
+        await page.call(`document.querySelector("#sides [value=${side}]").click(), document.querySelector("#parts [value=${part}]").click()`);
+        return blocks(turnedOver(await page.call(`Array.from(srbf.tracer.rendered(${SIDE}, ${SIDE}, ${PICTURES}))`), 4), 4);
+    };
+    for (const side of ["front", "back"]) {
+        const [whole, reflected, transmitted] = [await seen(side, "both"), await seen(side, "reflected"), await seen(side, "transmitted")];
+        const difference = apart(whole, reflected.map((value, i) => value + transmitted[i]));
+        console.log(`${side} of ground glass: ${(100 * difference).toExponential(1)} % from the sum of its parts; ${await page.call(`document.getElementById("shares").textContent`)}`);
+        expectThat(difference < 1e-4 && whole.some((value) => value > 0.1), `both parts are the sum of each, ${side}`);
+        expectThat((side === "back") === reflected.every((value) => value === 0), "the reflection of the back is black");
+    }
+    expectThat(await page.call(`document.getElementById("shapes").hidden`), "a sheet is shown on the ball");
+    await page.call(`document.querySelector("[data-name=garnet_red]").click()`);
+    expectThat(await page.call(`document.getElementById("sides").hidden && document.getElementById("shares").hidden`), "a material has no sides");
+}
+
 /** Material, keys, slider, faults. */
 async function used(page) {
     expectThat(await page.call(`document.getElementById("name").textContent`) === "Garnet red", "a preset is there at once");
@@ -281,7 +301,7 @@ try {
     browser.on("Network.requestWillBeSent", ({ request }) => asked.push(request.url));
     await page.send("Network.enable");
     await page.until("self.srbf?.tracer?.count > 0");
-    const parts = { used: () => used(page), turns: () => turns(page), balls: () => balls(page), downloads: () => downloads(browser, page), fits: () => fits(page), viewed: () => viewed(browser), pictures: () => pictures(browser, url) };
+    const parts = { used: () => used(page), turns: () => turns(page), sheets: () => sheets(page), balls: () => balls(page), downloads: () => downloads(browser, page), fits: () => fits(page), viewed: () => viewed(browser), pictures: () => pictures(browser, url) };
     const wanted = process.env.PARTS?.split(" ") ?? Object.keys(parts);
     for (const name of wanted) {
         const begun = Date.now();

@@ -19,7 +19,7 @@ for (const name of readdirSync(join(root, "web", "page")).filter((name) => name.
 writeFileSync(join(place, "package.json"), `{ "type": "module" }`);
 globalThis.self = globalThis;
 const { looked, opened } = await import(pathToFileURL(join(place, "opener.js")));
-const { received, wordsOf } = await import(pathToFileURL(join(place, "words.js")));
+const { quartersOf, received, wordsOf } = await import(pathToFileURL(join(place, "words.js")));
 
 // The worker of the page, with a fitter that gives the file back.
 const memory = { buffer: new ArrayBuffer(1 << 16) };
@@ -166,7 +166,24 @@ async function ofThePackage() {
     expectThat(says(await message(received(answered(new Counted("it", preset.subarray(0, 9)), 4), "it")), ["it: a .srbf file"]), "a short answer is refused");
 }
 
-for (const part of [ofThePage, ofTheWorker, ofThePackage]) {
+/** Sheets are checked, and their quarters found. */
+async function ofSheets() {
+    const glass = new Uint8Array(readFileSync(join(root, "presets", "sheets", "ground_glass.srbf")));
+    const words = wordsOf(glass, "glass", 1024), quarters = quartersOf(words);
+    expectThat(quarters.map((at) => at > 0 && words[at] === words[0]).join() === "true,true,false,true", `quarters at ${quarters}`);
+    expectThat(quartersOf(wordsOf(preset, "it", 1024)) === null, "a material has no quarters");
+    const attempt = (change) => {
+        const bytes = glass.slice();
+        change(new DataView(bytes.buffer));
+        try { wordsOf(bytes, "it", 1024); return ""; } catch (error) { return error.message; }
+    };
+    for (const [at, value, expected] of [[20, 7, "head of a sheet"], [40, 0, "shares"], [84, 1e9, "longer"], [80, 0x41424344, "unknown"], [48, 0, "a share"], [200, 1, "it"]]) {
+        const error = attempt((view) => view.setUint32(at, value, true));
+        expectThat(says(error, ["it", expected]), `word ${at / 4} is refused: "${error}"`);
+    }
+}
+
+for (const part of [ofThePage, ofSheets, ofTheWorker, ofThePackage]) {
     // A fault of the code is no failure of a test.
     await part().catch((error) => { console.log(error.stack); process.exit(3); });
 }
