@@ -20,7 +20,7 @@ from conftest import make_materials, reference, spread  # noqa: E402
 N = 4096
 BOUNDS = {"value": 3e-4, "density": 3e-4, "direction": 2e-4, "density there": 5e-4, "weight": 5e-4, "albedo": 3e-4}
 
-# What a hit asks: type, name and expression of each value.
+# The calls of a hit: type, name and expression of each value.
 HITS = {
     "material": [
         ("SrbfMaterial", "m", "srbf_material(DATA)"),

@@ -1,4 +1,4 @@
-//! What a `.srbf` file holds, a material or a sheet: written out by the same calls.
+//! The content of a `.srbf` file, a material or a sheet: written out by the same calls.
 
 use crate::export::{can_read, export, json, json_of_sheet, plain_bytes, written};
 use crate::language::Language;

@@ -78,7 +78,7 @@ fn data(presets: &[Preset<'_>], teapot: &Teapot<'_>, opened: Option<&Opened>) ->
     let presets: Vec<Opened> = presets.iter().map(preset).collect::<Result<_, _>>()?;
     let presets: Vec<Value> = presets.iter().map(material).collect();
     let evaluator = text(Language::Glsl);
-    // What a shader of a sheet has behind it.
+    // Text that a shader of a sheet has behind it.
     let sheet = sheet_text(Language::Glsl).split_off(evaluator.len());
     let data = json!({
         "version": env!("CARGO_PKG_VERSION"),

@@ -9,7 +9,7 @@ import { tmpdir } from "node:os";
 import { extname, join, normalize } from "node:path";
 
 const [folder, browser] = process.argv.slice(2);
-const SECONDS = 300, MOST_NOISES = 1.5;
+const SECONDS = 300, MOST_NOISES = 1.5, MOST_APART = 0.01;
 const types = { ".html": "text/html", ".js": "text/javascript", ".json": "application/json" };
 
 let answered;
@@ -50,6 +50,11 @@ for (const { name, blocks, difference, noise, picture } of found.answers ?? []) 
     console.log(`${name}: ${blocks} blocks, ${(100 * difference).toFixed(2)} %, noise ${(100 * noise).toFixed(2)} %, ${noises.toFixed(2)} noises`);
     await writeFile(join(folder, `${name}.png`), Buffer.from(picture.split(",")[1], "base64"));
 }
+for (const { side, difference, parts } of found.sheets ?? []) {
+    isRight &&= difference < MOST_APART && parts.flat().every((value) => value > 0.001);
+    console.log(`a sheet from ${side > 0 ? "the front" : "behind"}: ${(100 * difference).toFixed(2)} % from the sum of its quarters`);
+}
+isRight &&= found.sheets?.length === 2;
 for (const message of found.refused ?? []) console.log(`refused: ${message}`);
 isRight &&= found.refused?.length === 4;
 process.exit(isRight ? 0 : 1);

@@ -279,7 +279,7 @@ fn nothing_outside_is_read_whatever_the_numbers() {
     assert!(8 * taken > files(), "too few are sound to say something");
 }
 
-/// What core takes is taken, of sheets too; what is taken has numbers on both sides, whatever the vectors.
+/// A sheet that core takes is taken; of a sheet that is taken all answers are numbers, whatever the vectors.
 #[test]
 fn nothing_outside_a_sheet_is_read() {
     let mut program = sanitized(Language::Cpp, "device-sheet", "-fsanitize=float-cast-overflow");

@@ -97,7 +97,7 @@ pub fn run(args: Args) -> anyhow::Result<()> {
     Ok(())
 }
 
-/// Prints the quarters of a sheet, and what it does with light.
+/// Prints the quarters of a sheet, and the shares of the light.
 fn print_sheet(name: &str, sheet: &Sheet<Vec<u8>>, with_lobes: bool) -> anyhow::Result<()> {
     println!("name        {}", printable(name));
     println!("bytes       {}, a sheet", sheet.bytes().len());

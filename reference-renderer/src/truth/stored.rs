@@ -37,7 +37,7 @@ pub fn is_fit(name: &Path) -> bool {
     path.extension().is_some_and(|end| end.eq_ignore_ascii_case("srbf"))
 }
 
-/// The material or the sheet of a file of at most so many bytes; the material of a quarter that is named.
+/// The material or the sheet of a file of at most `most` bytes; the material of a quarter that is named.
 ///
 /// # Errors
 /// Names the file and the place in it.
