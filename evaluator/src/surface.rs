@@ -12,6 +12,7 @@ pub const QUARTERS: [&str; 4] =
 
 /// A material, or a sheet of them.
 #[derive(Clone, Debug)]
+#[allow(clippy::large_enum_variant)] // one is made of a file, and used in place
 pub enum Surface<B> {
     /// One material.
     Material(Material<B>),
