@@ -35,6 +35,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     let albedo = [next(), next(), next()];
     let towards = Towards { wi, value: Some(value), pdf: Some(pdf) };
     let of = |i: usize| [wo[0][i], wo[1][i], wo[2][i]];
+    let mut put = |i: usize, found: glam::Vec3| (0..3).for_each(|c| albedo[c][i] = found[c]);
     match &surface {
         Surface::Material(material) => {
             material.ask(wo, towards.into())?;
@@ -42,8 +43,7 @@ fn main() -> Result<(), Box<dyn Error>> {
             let mut mixture = Mixture::<MAX_LOBES>::empty();
             for i in 0..n {
                 material.prepare(of(i), &mut mixture)?;
-                let found = mixture.albedo().to_array();
-                (0..3).for_each(|c| albedo[c][i] = found[c]);
+                put(i, mixture.albedo());
             }
         }
         Surface::Sheet(sheet) => {
@@ -53,8 +53,7 @@ fn main() -> Result<(), Box<dyn Error>> {
             for i in 0..n {
                 sheet.prepare(of(i), &mut pair)?;
                 let is_transmission = (wo[2][i] < 0.0) != (wi[2][i] < 0.0);
-                let found = pair.albedos()[usize::from(is_transmission)].to_array();
-                (0..3).for_each(|c| albedo[c][i] = found[c]);
+                put(i, pair.albedos()[usize::from(is_transmission)]);
             }
         }
     }

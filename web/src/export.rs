@@ -6,7 +6,7 @@ use srbf_fit::export::{Lobes, merl, rgl};
 /// Writes a material in a format: `rgl`, `merl`, `json`, or a language of the evaluator such as `glsl`. The first two have no sheets.
 ///
 /// # Errors
-/// In words: for bytes of neither, for what the format does not hold, and for a format that is not known.
+/// In words: for bytes of neither, for a surface that the format does not hold, and for a format that is not known.
 pub fn export(bytes: &[u8], format: &str) -> Result<Vec<u8>, String> {
     let surface = Surface::from_bytes(bytes).map_err(|error| error.to_string())?;
     match (format, surface) {

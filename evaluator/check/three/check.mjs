@@ -51,7 +51,7 @@ for (const { name, blocks, difference, noise, picture } of found.answers ?? []) 
     await writeFile(join(folder, `${name}.png`), Buffer.from(picture.split(",")[1], "base64"));
 }
 for (const { side, difference, parts } of found.sheets ?? []) {
-    isRight &&= difference < MOST_APART && parts.flat().every((value) => value > 0.001);
+    isRight &&= difference < MOST_APART && parts.every((part) => Math.max(...part) > 0.001);
     console.log(`a sheet from ${side > 0 ? "the front" : "behind"}: ${(100 * difference).toFixed(2)} % from the sum of its quarters`);
 }
 isRight &&= found.sheets?.length === 2;
