@@ -204,7 +204,7 @@ def fit(
 def fit_sheet(
     path: Path,
     *,
-    band: Literal["visible", "solar", "infrared"] = "visible",
+    band: str = "visible",
     lobes: int = 12,
     views: int | None = None,
     bytes: int | None = None,
@@ -216,5 +216,5 @@ def fit_sheet(
 ) -> Sheet:
     """Fits all quarters of a sheet: of a file of WINDOW or Radiance, or of samples in front and behind.
 
-    `band` is of a file of a window. `lobes`, `views` and `bytes` are those of each quarter.
+    `band` is of a file of a window: "visible", "solar", "infrared", or a name in the file. `lobes`, `views` and `bytes` are those of each quarter.
     """

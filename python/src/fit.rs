@@ -136,7 +136,7 @@ pub fn fit<'py>(
 
 /// Fits all quarters of a sheet: of a file of a window (WINDOW, Radiance), or of samples in front and behind.
 ///
-/// `band`: the part of the spectrum of a file of a window, "visible", "solar" or "infrared"; of samples, "visible". `lobes`, `views` and
+/// `band`: the part of the spectrum of a file of a window, "visible", "solar", "infrared" or a name in the file; of samples, "visible". `lobes`, `views` and
 /// `bytes` are those of each quarter, and `progress` is as `fit` has it.
 #[pyfunction]
 #[pyo3(signature = (path, *, band = "visible", lobes = 12, views = None, bytes = None, starts = None, steps = None, exchanges = None,
@@ -166,7 +166,8 @@ pub fn fit_sheet<'py>(
         ..usual
     };
     settings.check().map_err(error::fit)?;
-    let conventions = Conventions { band: band_of(band)?, ..Conventions::default() };
+    let band = Band::parse(band).map_err(|error| PyValueError::new_err(format!("band: {error}")))?;
+    let conventions = Conventions { band, ..Conventions::default() };
     let sheet = error::work(py, || sheet_of(&path, &conventions, true))?;
     let sheet =
         Arc::new(sheet.ok_or_else(|| PyValueError::new_err("a model is no sheet: a file is expected"))?);
@@ -186,22 +187,10 @@ pub fn fit_sheet<'py>(
     Sheet::fitted(fit.bytes, report)
 }
 
-fn band_of(name: &str) -> PyResult<Band> {
-    match name {
-        "visible" => Ok(Band::Visible),
-        "solar" => Ok(Band::Solar),
-        "infrared" => Ok(Band::Infrared),
-        _ => {
-            let text = format!("band: \"visible\", \"solar\" or \"infrared\" is expected, not {name:?}");
-            Err(PyValueError::new_err(text))
-        }
-    }
-}
-
 /// How the thread of a fit ends.
 type Ended<T> = Result<Result<T, FitError>, Box<dyn std::any::Any + Send>>;
 
-/// What is called with the share that is done, and ends a fit that is to stop.
+/// Called with the share that is done, and ends a fit that is to stop.
 type Report<'a> = &'a mut (dyn FnMut(f64) + Send);
 
 /// Runs a fit in another thread, and shows its progress in this one.

@@ -255,6 +255,6 @@ def test_a_sheet_is_fitted(tmp_path):
     assert shares and sheet.report["bytes"] == len(sheet.to_bytes()) and "glass.csv" in sheet.provenance
     assert srbf.Sheet.from_bytes(sheet.to_bytes()).report is None
     with pytest.raises(ValueError, match="band"):
-        srbf.fit_sheet(path, band="red")
+        srbf.fit_sheet(path, band="")
     with pytest.raises(ValueError, match="a model is no sheet"):
         srbf.fit_sheet("model:ggx:alpha=0.2")

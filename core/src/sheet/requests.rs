@@ -94,7 +94,7 @@ impl<'a> Hits<'a> {
         self.count = i + 1;
     }
 
-    /// Asks for what is wanted, writes the answers, and has no hit left.
+    /// Asks for all wanted outputs, writes the answers, and has no hit left.
     fn answer(&mut self, request: &mut Request<'_>, [is_drawn, is_looked]: [bool; 2]) {
         let n = core::mem::take(&mut self.count);
         let [of_draw, of_wi] = self.pdf.each_mut().map(|pdf| &mut pdf[..n]);

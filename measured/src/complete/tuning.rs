@@ -264,8 +264,8 @@ pub(crate) mod turned {
     pub const BROKEN: f64 = 0.93;
     /// Share of the error at left-out samples and turns below which a turn changes something.
     pub const WORTHWHILE: f64 = 0.9;
-    /// The same of light through a sheet, below which its sides differ.
-    pub const SIDED: f64 = 0.9;
+    /// The same of light through a sheet, below which its sides differ, and by how much more: errors of nothing but rounding have any ratio.
+    pub const SIDED: (f64, f64) = (0.95, 0.002);
     /// The same where steps from turn to turn tell that by themselves: highlights narrower than the samples are predicted by nothing.
     pub const AS_GOOD: f64 = 1.1;
     /// Most views by the angle of the outgoing direction, and most turns.

@@ -62,7 +62,7 @@ pub(crate) fn complete_turned(ways: &[Way<'_>], is_sheet: bool, is_steady: bool)
     let turn = turned.turn(&even);
     let changes = turn.into();
     let measurement = turned.measurement(&changes);
-    if !is_better(&even, &measurement, if is_steady { AS_GOOD } else { WORTHWHILE }) {
+    if !is_better(&even, &measurement, (if is_steady { AS_GOOD } else { WORTHWHILE }, 0.0)) {
         return Ok(Found::Isotropic);
     }
     let sided = if is_sheet { turned.sided(&changes, &measurement) } else { None };
@@ -298,8 +298,8 @@ impl Second {
     }
 }
 
-/// Whether samples, and parts, that were left out are predicted with `worthwhile` of the error where more is told apart.
-fn is_better(even: &Measurement, turned: &Measurement, worthwhile: f64) -> bool {
+/// Whether samples, and parts, that were left out are predicted with a share of the error, less a number, where more is told apart.
+fn is_better(even: &Measurement, turned: &Measurement, (share, less): (f64, f64)) -> bool {
     let rank = |measurement: &Measurement| {
         let few = measurement.thinned(COMPARED);
         let scale = Scale::of(&few);
@@ -308,7 +308,7 @@ fn is_better(even: &Measurement, turned: &Measurement, worthwhile: f64) -> bool 
         Some(samples.rank() + turns.rank())
     };
     match (rank(even), rank(turned)) {
-        (Some(even), Some(turned)) => turned < worthwhile * even,
+        (Some(even), Some(turned)) => turned < share * even - less,
         (None, Some(_)) => true,
         (_, None) => false,
     }
