@@ -42,6 +42,9 @@ pub(crate) const COORDINATES: usize = 9;
 pub(crate) const ISOTROPIC: usize = 4;
 pub(super) const OF_SIDES: usize = 5;
 
+/// Scale of the coordinate that tells sides apart: values vary little with it, and close points are taken together.
+const SIDES: f64 = 0.25;
+
 /// Squared sine of a direction with that cosine, at the horizon a little less.
 fn across2(cos: f64) -> f64 {
     let c = cos.max(HORIZON);
@@ -131,7 +134,7 @@ impl Pair {
             self.difference(),
             self.cosines[0] * self.cosines[1],
             2.0 * self.sideways / (self.sin2_half + width * width),
-            self.toward / libm::sqrt(self.sin2_half + width * width),
+            SIDES * self.toward / libm::sqrt(self.sin2_half + width * width),
             share * c,
             share * s,
             along,

@@ -21,7 +21,7 @@ pub(crate) mod choice {
     /// both directions.
     pub const OF_TURN: [f64; 4] = [1.0, 1.0, 1.5, 1.5];
     /// Length of the coordinate that tells the sides of a sheet apart.
-    pub const OF_SIDES: f64 = 1.5;
+    pub const OF_SIDES: f64 = 0.375;
     /// Those of a kernel that are not the turn's, nor of the sides.
     const fn lengths([a, b, c, d]: [f64; 4]) -> [f64; 9] {
         [a, b, c, d, OF_SIDES, OF_TURN[0], OF_TURN[1], OF_TURN[2], OF_TURN[3]]

@@ -18,11 +18,12 @@ use super::{Completion, FEWEST, Model, completed, noises, width};
 use crate::FitError;
 use crate::complete::tuning::choice::OF_MODEL;
 use crate::complete::tuning::family::COMPARED_BESIDE;
+use crate::complete::tuning::points::MOST as POINTS;
 use crate::complete::tuning::turned::{
     AS_GOOD, AXES, BROKEN, COMPARED, MOST, SAMPLES, SECOND, SIDED, STEPS, STRETCHES, TURNS, VIEWS, WORTHWHILE,
 };
 use crate::row::{NORMAL, Row, polar};
-use crate::table::{DARKEST, luminance};
+use crate::table::{Brdf, DARKEST, luminance};
 use std::f64::consts::{FRAC_PI_2, PI};
 
 /// Samples of which the instrument held the same direction.
@@ -65,9 +66,8 @@ pub(crate) fn complete_turned(ways: &[Way<'_>], is_sheet: bool, is_steady: bool)
     if !is_better(&even, &measurement, (if is_steady { AS_GOOD } else { WORTHWHILE }, 0.0)) {
         return Ok(Found::Isotropic);
     }
-    let sided = if is_sheet { turned.sided(&changes, &measurement) } else { None };
-    let (changes, measurement) = sided.unwrap_or((changes, measurement));
-    let mut completion = completed(measurement, changes)?;
+    let sided = if is_sheet { turned.sided(&changes, &measurement)? } else { None };
+    let mut completion = sided.map_or_else(|| completed(measurement, changes), Ok)?;
     completion.report.gaps = gaps_of_turned(&rows_of(ways), turn.kept != Kept::Nothing);
     Ok(Found::Anisotropic(Box::new(completion)))
 }
@@ -82,10 +82,9 @@ pub(crate) fn complete_sides(ways: &[Way<'_>]) -> Result<Option<Completion>, Fit
         return Ok(None);
     }
     let changes = Changes::default();
-    let Some((changes, measurement)) = turned.sided(&changes, &turned.measurement(&changes)) else {
+    let Some(mut completion) = turned.sided(&changes, &turned.measurement(&changes))? else {
         return Ok(None);
     };
-    let mut completion = completed(measurement, changes)?;
     completion.report.gaps = gaps_of_sides(&rows_of(ways));
     Ok(Some(completion))
 }
@@ -180,11 +179,33 @@ impl Turned {
         Measurement::of_placed(&self.placed, self.count, changes)
     }
 
-    /// With the sides told apart, if that predicts samples and parts that were left out better.
-    fn sided(&self, changes: &Changes, even: &Measurement) -> Option<(Changes, Measurement)> {
-        let changes = Changes { sides: true, ..*changes };
-        let sided = self.measurement(&changes);
-        is_better(even, &sided, SIDED).then_some((changes, sided))
+    /// Completed with the sides told apart, if that predicts samples and parts that were left out better.
+    fn sided(&self, changes: &Changes, even: &Measurement) -> Result<Option<Completion>, FitError> {
+        let apart = Changes { sides: true, ..*changes };
+        let sided = self.measurement(&apart);
+        if !is_better(even, &sided, SIDED) {
+            return Ok(None);
+        }
+        let sided = completed(sided, apart)?;
+        if self.placed.len() <= POINTS {
+            return Ok(Some(sided));
+        }
+        // Of many samples close ones are taken together, closer where fewer coordinates tell them apart.
+        let even = completed(self.measurement(changes), *changes)?;
+        Ok((self.error(&sided) < self.error(&even)).then_some(sided))
+    }
+
+    /// The relative L2 error of `f cos` at samples, with the cosine of the direction that the instrument moved.
+    fn error(&self, completion: &Completion) -> f64 {
+        let (mut squares, mut all) = (0.0, 0.0);
+        for s in &self.thinned(OF_MODEL).placed {
+            let said = completion.evaluate(s.wi, s.wo);
+            for (said, value) in said.into_iter().zip(s.rgb) {
+                squares += s.moved * s.moved * (said - value) * (said - value);
+                all += s.moved * s.moved * value * value;
+            }
+        }
+        libm::sqrt(squares / f64::max(all, f64::MIN_POSITIVE))
     }
 
     /// About that number of the samples, spread over all of them.
