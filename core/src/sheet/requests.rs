@@ -76,6 +76,7 @@ impl<'a> Hits<'a> {
     }
 
     /// Adds a hit; one that sees nothing has no outgoing direction, which reflects nothing.
+    #[inline(never)]
     fn put(&mut self, number: usize, seen: Option<Seen<'a>>, question: Question) {
         let i = self.count;
         let (wo, share) = match seen {
@@ -95,6 +96,7 @@ impl<'a> Hits<'a> {
     }
 
     /// Asks for all wanted outputs, writes the answers, and has no hit left.
+    #[inline(never)] // three calls: less code
     fn answer(&mut self, request: &mut Request<'_>, [is_drawn, is_looked]: [bool; 2]) {
         let n = core::mem::take(&mut self.count);
         let [of_draw, of_wi] = self.pdf.each_mut().map(|pdf| &mut pdf[..n]);
