@@ -153,7 +153,7 @@ export function quartersOf(words) {
 }
 
 /** Throws an error unless the words are those of a sheet, each quarter of which is a material. */
-function checkSheet(words, length, name) {
+function checkSheet(words, length, name, checkMaterial) {
     const expect = (holds, what) => { if (!holds) throw new Error(`${name}: ${what}`); };
     expect(words[2] === 3 && words[5] <= 1 && length % 4 === 0 && length >= 84, "the head of a sheet is expected");
     expect(words[10] === SHARES && words[11] === 32, "no block of shares");
@@ -167,7 +167,7 @@ function checkSheet(words, length, name) {
             const own = words.subarray(at + 2, next), of = `${name}, ${QUARTERS[quarter]}`;
             expect(!has.includes(quarter) && !(words[5] === 1 && quarter > 1), `a quarter at word ${at} that is there already`);
             expect(size >= LEAST_BYTES && MAGIC.every((word, i) => own[i] === word) && own[4] === size, `no material at word ${at}`);
-            check(own, size, of);
+            checkMaterial(own, size, of);
             has.push(quarter);
         }
         at = next;
@@ -185,15 +185,17 @@ function checkSheet(words, length, name) {
  * @param {ArrayBuffer | Uint8Array} data the file
  * @param {string} name how errors call it
  * @param {number} row words of a row
+ * @param checkMaterial what throws an error of a material: of one that no shader can read, unless it is given
  */
-export function wordsOf(data, name, row) {
+export function wordsOf(data, name, row, checkMaterial = check) {
     const bytes = data instanceof ArrayBuffer ? new Uint8Array(data) : data;
     checkHead(bytes, bytes.length, name);
     const padded = new Uint8Array(4 * row * Math.max(Math.ceil(bytes.length / (4 * row)), 1));
     padded.set(bytes);
     const view = new DataView(padded.buffer);
     const words = Uint32Array.from({ length: padded.length / 4 }, (_, i) => view.getUint32(4 * i, true));
-    (words[3] === SHEET ? checkSheet : check)(words, bytes.length, name);
+    if (words[3] === SHEET) checkSheet(words, bytes.length, name, checkMaterial);
+    else checkMaterial(words, bytes.length, name);
     const end = bytes.length - 4;
     if (crc32(bytes.subarray(0, end)) !== view.getUint32(end, true)) throw new Error(`${name}: the checksum does not fit: the bytes are damaged`);
     return words;

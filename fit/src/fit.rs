@@ -63,8 +63,8 @@ pub fn fit_source(
     progress: impl FnMut(f64) + Send,
 ) -> Result<Fit, FitError> {
     let intake = source.intake.as_ref();
-    let mut fit = match (&source.content, intake) {
-        (Content::Evaluable(brdf), Some(intake)) if brdf.symmetry() != Symmetry::Isotropic => {
+    let mut fit = match (&source.content, intake, &source.completion) {
+        (Content::Evaluable(brdf), Some(intake), _) if brdf.symmetry() != Symmetry::Isotropic => {
             check_memory(MEMORY + OF_SAMPLE * intake.rows.len() as u64).map_err(FitError::Memory)?;
             settings.check_anisotropic()?;
             with_lobes(settings, progress, |settings, progress| {
@@ -77,15 +77,14 @@ pub fn fit_source(
                 )
             })?
         }
-        (Content::Evaluable(brdf), Some(intake)) if source.completion.is_some() => {
+        (Content::Evaluable(brdf), Some(intake), Some(report)) => {
             check_memory(MEMORY + OF_SAMPLE * intake.rows.len() as u64).map_err(FitError::Memory)?;
-            let report = source.completion.clone().unwrap_or_default();
             let table = Table::from_scattered(intake.without(&report.outliers).views())?;
             with_lobes(settings, progress, |settings, progress| {
-                isotropic::fit_samples(&table, brdf.as_ref(), &report, settings, progress)
+                isotropic::fit_samples(&table, brdf.as_ref(), report, settings, progress)
             })?
         }
-        (content, _) => fit_content(content, settings, progress)?,
+        (content, ..) => fit_content(content, settings, progress)?,
     };
     if let Some(completion) = &source.completion {
         fit.report.gaps = Some(completion.gaps.clone());

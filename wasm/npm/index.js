@@ -1,5 +1,7 @@
 // The C interface of srbf in WebAssembly, with objects. README.md has an example.
 
+import { QUARTERS, quartersOf, wordsOf } from "./words.js";
+
 const FLOAT = 4;
 const ROOM = 64; // numbers of a call's own
 // Bytes of structures of srbf.h, with pointers of 32 bits.
@@ -213,52 +215,27 @@ export class Mixture {
     }
 }
 
-/** Names of the quarters of a sheet, in the order of the file. */
-const QUARTERS = ["front-reflection", "front-transmission", "back-reflection", "back-transmission"];
-const TAGS = ["FREF", "FTRA", "BREF", "BTRA"];
 const HEIGHTS = 16; // for which the share of draws is stored
 
-function crc32(bytes) {
-    let crc = ~0;
-    for (const byte of bytes) {
-        crc ^= byte;
-        for (let bit = 0; bit < 8; bit++) crc = (crc >>> 1) ^ (crc & 1 ? 0xedb88320 : 0);
-    }
-    return ~crc >>> 0;
-}
-
-/** Places and lengths of the quarters in the bytes of a sheet, which are checked but for the materials. */
-function quartersOf(bytes) {
-    const expect = (holds, what) => { if (!holds) throw new Error(`a sheet is expected: ${what}`); };
-    const view = new DataView(bytes.buffer, bytes.byteOffset, bytes.length);
-    const word = (at) => view.getUint32(at, true);
-    const tag = (at) => String.fromCharCode(...bytes.subarray(at, at + 4));
-    expect(bytes.length >= 84 && word(0) === 0x42525389 && word(4) === 0x1a0a0d46, "the bytes are no .srbf file");
-    expect(word(8) === 3 && word(12) === 2, "the file holds a material");
-    expect(word(16) === bytes.length && bytes.length % 4 === 0, "the length does not fit");
-    const end = bytes.length - 4, isSymmetric = word(20) === 1, places = {};
-    expect(crc32(bytes.subarray(0, end)) === word(end), "the bytes are damaged");
-    expect(word(20) <= 1 && tag(40) === "SHAR" && word(44) === 2 * HEIGHTS, "there are no shares of draws");
-    for (let at = 80; at < end;) {
-        const quarter = TAGS.indexOf(tag(at)), length = at + 8 <= end ? word(at + 4) : Infinity;
-        expect(at + 8 + length <= end, `the block at ${at} is too long`);
-        expect((quarter >= 0 && !places[quarter] && !(isSymmetric && quarter > 1)) || bytes[at] >= 97, `the block at ${at} is not known`);
-        if (quarter >= 0) places[quarter] = bytes.subarray(at + 8, at + 8 + length);
-        at += 8 + 4 * Math.ceil(length / 4);
-    }
-    expect(Object.keys(places).length > 0, "it has no quarters");
-    return { places, isSymmetric, shares: [48, isSymmetric ? 48 : 64].map((at) => bytes.slice(at, at + HEIGHTS)) };
+/** The bytes of the quarters of a sheet, null for one that is black, and the shares of draws. What is checked here is all but the materials. */
+function partsOf(bytes) {
+    const name = "a sheet is expected";
+    const words = wordsOf(bytes, name, 1, () => {}), places = quartersOf(words);
+    if (!places) throw new Error(`${name}: the file holds a material`);
+    const isSymmetric = words[5] === 1;
+    const quarters = places.map((place) => (place > 0 ? bytes.subarray(4 * place, 4 * place + words[place + 4]) : null));
+    return { quarters, isSymmetric, shares: [48, isSymmetric ? 48 : 64].map((at) => bytes.slice(at, at + HEIGHTS)) };
 }
 
 /** A thin surface: up to four materials in memory of WebAssembly, and the share of draws between them. */
 export class Sheet {
     constructor(srbf, bytes) {
-        const { places, isSymmetric, shares } = quartersOf(bytes);
+        const { quarters, isSymmetric, shares } = partsOf(bytes);
         Object.assign(this, { isSymmetric, shares, materials: [] });
         try {
-            for (const quarter of [0, 1, 2, 3]) {
-                this.materials.push(isSymmetric && quarter > 1 ? this.materials[quarter - 2] : places[quarter] ? new Material(srbf, places[quarter]) : null);
-            }
+            quarters.forEach((own, quarter) => {
+                this.materials.push(isSymmetric && quarter > 1 ? this.materials[quarter - 2] : own && new Material(srbf, own));
+            });
         } catch (error) {
             this.free();
             throw error;

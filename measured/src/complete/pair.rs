@@ -152,7 +152,7 @@ impl Pair {
         Self { toward: 0.5 * (self.cosines[1] - self.cosines[0]), ..self }
     }
 
-    /// Cosine of the azimuth of the outgoing direction about the half vector, from the normal; 1 and more where there is none.
+    /// Cosine of the azimuth of the outgoing direction about the half vector, from the normal; 0 where there is none.
     pub fn cos_toward(&self) -> f64 {
         let all = self.sin2_half * self.sin2_difference;
         if all > 1e-18 { (self.toward / libm::sqrt(all)).clamp(-1.0, 1.0) } else { 0.0 }
