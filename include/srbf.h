@@ -5,6 +5,14 @@
  * A material (`srbf_material`) holds lobes for every outgoing direction. `srbf_material_prepare` makes of it the mixture
  * (`srbf_mixture`) for one outgoing direction `wo`; the mixture evaluates, integrates and samples.
  *
+ * Fifteen functions that are enough for most renderers; the others are for many hits, little memory, light and other surfaces
+ *   A material          srbf_material_load, srbf_material_from_bytes, srbf_material_free, srbf_material_query
+ *   One hit             srbf_material_sample, srbf_material_evaluate, srbf_material_pdf, srbf_material_evaluate_and_pdf,
+ *                       srbf_material_sample_and_evaluate, srbf_material_albedo
+ *   n hits              srbf_material_ask
+ *   A fit               srbf_fit_table, srbf_material_save
+ *   Errors, versions    srbf_last_message, srbf_version
+ *
  * Words
  *   Directions are unit vectors, three floats, in the caller's shading frame, +z the surface normal. `wo` points towards
  *   the viewer and is fixed, `wi` points towards the light and is sampled. The value is `f cos`: the BRDF times the
@@ -14,9 +22,9 @@
  *
  * Status
  *   Calls that can fail return a `srbf_status`: 0 is success. A call that fails leaves its outputs as they were, unless its
- *   page says otherwise, and keeps a message for the thread: `srbf_last_message`. No call prints, exits or lets a panic
- *   out, but for a bug in the library: Rust prints a line about a panic to the standard error, the call returns
- *   `SRBF_STATUS_PANIC`, and its outputs are unspecified.
+ *   page says otherwise, and keeps a message for the thread: `srbf_last_message`. The message begins with the name of the argument
+ *   that is wrong, where it is one. No call prints, exits or lets a panic out, but for a bug in the library: Rust prints a line about
+ *   a panic to the standard error, the call returns `SRBF_STATUS_PANIC`, and its outputs are unspecified.
  *
  * Pointers
  *   The caller owns every buffer. A pointer is to as many readable or writable elements as its page says, or NULL; NULL and
@@ -54,7 +62,7 @@
 /// Compare with `srbf_version()` to see whether header and library belong together.
 #define SRBF_VERSION 100
 
-/// Version of the `.srbf` bytes that are written; this one and version 1 are read.
+/// Version of the `.srbf` bytes that are written. Every version from 1 to this one is read.
 #define SRBF_FORMAT_VERSION 3
 
 /// The best level of this processor and build.
@@ -108,6 +116,9 @@
 /// Alignment of that storage.
 #define SRBF_SHEET_ALIGNMENT 16
 
+/// Most parts of a blend.
+#define SRBF_MAX_BLEND 8
+
 /// Alignment of the storage for an environment: that of a cache line.
 #define SRBF_ENVIRONMENT_ALIGNMENT 64
 
@@ -125,6 +136,9 @@
 
 /// In place of a number of a fit: it is chosen by what turns out best.
 #define SRBF_FIT_AUTOMATIC 65535
+
+/// Bytes of the verdict of a fit, the zero at its end among them.
+#define SRBF_FIT_VERDICT_SIZE 4096
 
 /// Light from infinitely far away, a latitude-longitude map, in the caller's storage.
 ///
@@ -398,6 +412,29 @@ typedef struct srbf_sheet_info {
     size_t provenance_length;
 } srbf_sheet_info;
 
+/// A part of a blend: a material or a mixture, with its weight and a tint. Start from zeros.
+///
+/// A blend is an array of 1 to `SRBF_MAX_BLEND` parts: its value is the sum of their values, each times weight and tint. Weights need not sum
+/// to 1. A part of weight 0, or of a black tint, costs nothing. Where one part is left, a hit is one on that part alone.
+///
+/// Every call that takes parts refuses by `SRBF_STATUS_ARGUMENT` none and too many. It refuses by
+/// `SRBF_STATUS_WEIGHT` a weight, a tint or a coat out of its range, and weights of which none is above 0.
+typedef struct srbf_blend_part {
+    /// The material; or NULL.
+    const struct srbf_material *material;
+    /// Looked at without a material: a mixture that has the outgoing direction of the call, or one of the caller's lobes.
+    const struct srbf_mixture *mixture;
+    /// From 0 to 1000.
+    float weight;
+    /// By this the channels of its values are multiplied, linear sRGB, from 0 to 1000.
+    float tint[3];
+    /// Refractive index of a clear coat above it, from 1 to 10; 0 for none.
+    ///
+    /// Values are multiplied by its transmittance for both directions: 1 minus `srbf_fresnel` of each. Light that the coat reflects is
+    /// a part of its own.
+    float coat;
+} srbf_blend_part;
+
 /// What an environment holds.
 typedef struct srbf_environment_info {
     /// The bytes that `srbf_environment_read` reads, for the caller to store: within the environment's storage, at a multiple of
@@ -439,6 +476,8 @@ typedef struct srbf_product_sample {
     float direction[3];
     /// The light that is reflected to the viewer if nothing is in the way, linear sRGB; all 0: nothing was drawn.
     float weight[3];
+    /// `f cos` over the density of such a draw: the factor on the true radiance from there, where the light's is an estimate.
+    float factor[3];
 } srbf_product_sample;
 
 /// Sixteen samples of an environment as rows: what `srbf_mixture_reflect` reads. A block at a multiple of 64 is the fastest.
@@ -465,6 +504,10 @@ typedef struct srbf_reflection {
     float ray_light[3];
     /// Likewise towards the shadow ray.
     float shadow_light[3];
+    /// What radiance along the ray is multiplied by to be `ray_light`; sr.
+    float ray_factor;
+    /// Likewise of the shadow ray.
+    float shadow_factor;
     /// `f cos` of the mixture towards the ray; 1/sr.
     float ray_value[3];
     /// Likewise towards the shadow ray.
@@ -474,6 +517,35 @@ typedef struct srbf_reflection {
     /// Likewise of the lobes.
     float ray_sum[3];
 } srbf_reflection;
+
+/// Up to sixteen directions of a light as rows, filled by the functions of a `srbf_light_source`.
+typedef struct srbf_light_rows {
+    /// Unit vectors in the world, towards the light: x, y, z.
+    float direction[3][16];
+    /// Estimates of the radiance from there: red, green, blue; linear sRGB, not negative.
+    float radiance[3][16];
+    /// Densities; 1/sr.
+    float pdf[16];
+} srbf_light_rows;
+
+/// Light that can be drawn from, as two functions of the caller: one learnt from a renderer's own paths, or lamps that a surface sees.
+///
+/// The functions give the density of the draws, and an estimate of the radiance. A draw is multiplied by the renderer's own
+/// radiance along the direction, so that the mean is right whatever the estimate is. Two things are asked for that: both functions give
+/// the density that directions are drawn with, 0 for a draw that finds nothing; and the estimate is above 0 wherever the true radiance
+/// may be, if only by little. A number that has no meaning, such as a density that is NaN, counts as no light.
+///
+/// A function gives 0. Any other number makes the call that asked it give `SRBF_STATUS_LIGHT`. It has to return, by no exception and no
+/// jump; it may call this library. It is called in the thread of the call that asks it.
+typedef struct srbf_light_source {
+    /// Given to both functions as it is; may be NULL.
+    void *user;
+    /// Draws `count` directions, 1 to 16, each by itself with the density that it tells. Shapes: `u` [3][16], uniform numbers in [0, 1),
+    /// of which the first `count` of each row count; `rows` overwritten, the first `count` of each row.
+    srbf_status (*sample)(void *user, size_t count, const float *u, struct srbf_light_rows *rows);
+    /// Gives estimates of the radiance, and the density of `sample`, of the first `count` directions of `rows`, 1 to 16.
+    srbf_status (*evaluate)(void *user, size_t count, struct srbf_light_rows *rows);
+} srbf_light_source;
 
 /// How a material is fitted. `srbf_fit_settings_default` fills it in; a caller changes the fields that he cares about.
 typedef struct srbf_fit_settings {
@@ -504,6 +576,32 @@ typedef struct srbf_fit_settings {
     /// 1 for nodes over the azimuth from -1 to 1, see `srbf_material_info`, where `factor_nodes` are given; else 0, the default.
     uint32_t has_signed_factors;
 } srbf_fit_settings;
+
+/// How near a fitted material is to its data: numbers, and the verdict in words. Errors are relative: 0.05 is 5 %.
+///
+/// They are of views between the fitted ones where the BRDF can be evaluated there, and else of the fitted views. NaN stands for a
+/// number that no view has: data that are black everywhere have no relative error.
+typedef struct srbf_fit_report {
+    /// Relative L2 error of `f cos`, the median of the views.
+    double error;
+    /// The largest of the views.
+    double worst_error;
+    /// Outgoing direction of the largest: its angle from the normal, radians.
+    double worst_error_theta;
+    /// Median relative error of the luminance farther than 15 degrees from the mirror direction, the median of the views.
+    double luminance_error;
+    /// Largest relative error of an albedo.
+    double energy_error;
+    /// Largest `f cos / pdf` over its mean: how much brighter than its surroundings a dot of noise may be.
+    double largest_weight;
+    /// Seconds that the fit took.
+    double seconds;
+    /// Criteria that are off, each with a line of the verdict that begins with `off`.
+    size_t faults;
+    /// The verdict, UTF-8 lines with a zero at the end. The first says whether to use the material, if that could be judged. The others
+    /// begin with `good`, `fair`, `off`, or `try` for advice.
+    char verdict[SRBF_FIT_VERDICT_SIZE];
+} srbf_fit_report;
 
 /// A BRDF of the caller: writes f (not times the cosine; linear sRGB, 1/sr) for two unit vectors with z > 0.
 ///
@@ -562,6 +660,9 @@ typedef void (*srbf_brdf)(void *user, const float *wi, const float *wo, float *f
 /// A mixture holds squeezed lobes, a diffuse term or factors, which have no product in closed form.
 #define SRBF_STATUS_SQUEEZED 16
 
+/// A weight, a tint or a coat of a blend is out of its range, or no weight is above 0.
+#define SRBF_STATUS_WEIGHT 17
+
 /// The bytes do not start like a `.srbf` file.
 #define SRBF_STATUS_MAGIC 20
 
@@ -588,6 +689,9 @@ typedef void (*srbf_brdf)(void *user, const float *wi, const float *wo, float *f
 
 /// This processor, or this build of the library, does not have the SIMD level.
 #define SRBF_STATUS_SIMD_LEVEL 40
+
+/// A function of the caller's light gave another status than 0.
+#define SRBF_STATUS_LIGHT 41
 
 /// A panic was caught inside the library: a bug in it. Outputs are unspecified.
 #define SRBF_STATUS_PANIC 50
@@ -1060,6 +1164,77 @@ srbf_status srbf_sheet_ask(const struct srbf_sheet *sheet,
                            size_t n,
                            const struct srbf_request *request);
 
+/// Share of the light that the smooth face of a dielectric reflects, of unpolarised light from outside, by Fresnel's equations.
+///
+/// `index`: its refractive index, from 1; `cosine`: of the direction from the normal. Any other numbers give an unspecified one.
+float srbf_fresnel(float index,
+                   float cosine);
+
+/// Integrates `f cos` of a blend over all incident directions, in closed form; below a coat it is a bound from above.
+///
+/// Shapes: `parts` [part_count]; `wo` [3], unit vector in the shading frame; `albedo` [3], linear sRGB, overwritten.
+srbf_status srbf_blend_albedo(const struct srbf_blend_part *parts,
+                              size_t part_count,
+                              const float *wo,
+                              float *albedo);
+
+/// Evaluates `f cos` of a blend and the density of `srbf_blend_sample` in one pass; 1/sr.
+///
+/// Shapes: `parts` [part_count]; `wo` and `wi` [3], unit vectors in the shading frame; `value` [3], linear sRGB, and `pdf`, one number; both
+/// overwritten.
+srbf_status srbf_blend_evaluate_and_pdf(const struct srbf_blend_part *parts,
+                                        size_t part_count,
+                                        const float *wo,
+                                        const float *wi,
+                                        float *value,
+                                        float *pdf);
+
+/// Draws an incident direction of a blend: a part by weight, tint and power, then of that part.
+///
+/// Where nothing is reflected it gives the normal with density 0 and weight 0, and `SRBF_STATUS_OK`.
+/// Shapes: `parts` [part_count]; `wo` [3], unit vector; `u` [3], uniform numbers in [0, 1): the first chooses the part and the lobe, the others the
+/// direction in it.
+srbf_status srbf_blend_sample(const struct srbf_blend_part *parts,
+                              size_t part_count,
+                              const float *wo,
+                              const float *u,
+                              struct srbf_sample *sample);
+
+/// Draws an incident direction of a blend, and evaluates value and density towards another one: what next-event estimation needs at every
+/// hit.
+///
+/// Shapes: `parts`, `wo`, `u` and `sample` as in `srbf_blend_sample`; `wi`, `value` and `pdf` as in `srbf_blend_evaluate_and_pdf`.
+srbf_status srbf_blend_sample_and_evaluate(const struct srbf_blend_part *parts,
+                                           size_t part_count,
+                                           const float *wo,
+                                           const float *u,
+                                           struct srbf_sample *sample,
+                                           const float *wi,
+                                           float *value,
+                                           float *pdf);
+
+/// Chooses one part of a blend at random, and tells the number that is left of `u` for its draw.
+///
+/// A blend of that part alone has the values of the whole in the mean, at the cost of one hit. Its densities are its own.
+/// All that is asked at a hit has to be asked of the one part that was chosen for it.
+/// Shapes: `parts` [part_count]; `u` one uniform number in [0, 1); `part` one part and `left` one number in [0, 1), both overwritten.
+srbf_status srbf_blend_choose(const struct srbf_blend_part *parts,
+                              size_t part_count,
+                              float u,
+                              struct srbf_blend_part *part,
+                              float *left);
+
+/// Draws and evaluates for n hits of blends, each with an outgoing direction of its own: outputs that are given are wanted.
+///
+/// The parts of hit i begin at `(const char *)parts + i * stride`; with a stride of 0 all hits have the same. The answers of
+/// `srbf_blend_sample_and_evaluate` within rounding, in less time.
+/// Shapes: `parts` [n][part_count], `stride` bytes from one hit to the next: 0, or a multiple of their alignment and at least their size.
+srbf_status srbf_blend_ask(const struct srbf_blend_part *parts,
+                           size_t part_count,
+                           size_t stride,
+                           size_t n,
+                           const struct srbf_request *request);
+
 /// Says how many bytes of storage the environment of a map needs: 64 a pixel, those of one row more, and a little.
 ///
 /// Status: `SRBF_STATUS_ARGUMENT` for a size that no map may have: width or height 0 or above 65535, or more than 2^25 pixels;
@@ -1121,7 +1296,7 @@ srbf_status srbf_environment_sample(const struct srbf_environment *environment,
 /// Without occlusion its variance is that of multiple importance sampling with as many directions as there are candidates.
 /// Shapes: `frame` [9], tangent, bitangent and normal of the shading frame in the world, unit vectors at right angles; `u`
 /// [3][candidates], uniform numbers in [0, 1): the first of all candidates, then the second, then the third; `choice` one more;
-/// `sample` one, overwritten, with the normal and weight 0 where no candidate brings light.
+/// `sample` one, overwritten, with the normal, weight and factor 0 where no candidate brings light.
 /// Status: `SRBF_STATUS_ARGUMENT` for a `sampling` out of range.
 srbf_status srbf_mixture_sample_product(const struct srbf_mixture *mixture,
                                         const struct srbf_environment *environment,
@@ -1183,6 +1358,51 @@ srbf_status srbf_reflection_light(const struct srbf_reflection *reflection,
                                   const float *values,
                                   float *light);
 
+/// Draws a direction for any light and a mixture together, as `srbf_mixture_sample_product` does for an environment.
+///
+/// The light that reaches the viewer is the sample's `factor` times the radiance that the caller finds along its direction. Its mean is
+/// the integral of that radiance times `f cos`, times one minus `srbf_product_ray_weight`, whatever the light's estimates are. `weight` is
+/// of the estimate. The light is asked to evaluate the candidates of the mixture, and to draw the others.
+/// Shapes: as there. Status: `SRBF_STATUS_NULL` for a function that is NULL too; `SRBF_STATUS_LIGHT`.
+srbf_status srbf_mixture_sample_product_from(const struct srbf_mixture *mixture,
+                                             const struct srbf_light_source *light,
+                                             const float *frame,
+                                             const struct srbf_product_sampling *sampling,
+                                             const float *u,
+                                             float choice,
+                                             struct srbf_product_sample *sample);
+
+/// Draws a block of samples of any light, as `srbf_light_block_draw` does of an environment; their light is the estimate.
+///
+/// Shapes: as there. Status: `SRBF_STATUS_NULL` for a function that is NULL too; `SRBF_STATUS_LIGHT`.
+srbf_status srbf_light_block_draw_from(const struct srbf_light_source *light,
+                                       const float *u,
+                                       struct srbf_light_block *block);
+
+/// Draws the ray that a path goes on along, and a shadow ray, for any light, as `srbf_mixture_reflect` does for an environment. The
+/// sums are of the light's estimates; `srbf_reflection_light_from` corrects them by the radiance that the caller finds.
+///
+/// Shapes: as there; `block` from `srbf_light_block_draw_from`. Status: `SRBF_STATUS_NULL` for a function that is NULL too;
+/// `SRBF_STATUS_LIGHT`.
+srbf_status srbf_mixture_reflect_from(const struct srbf_mixture *mixture,
+                                      const struct srbf_light_source *light,
+                                      const struct srbf_light_block *block,
+                                      const float *frame,
+                                      const float *flat,
+                                      size_t count,
+                                      const float *u,
+                                      float choice,
+                                      struct srbf_reflection *reflection);
+
+/// The light that is reflected to the viewer, of any light: of the radiance that the caller finds along the path's ray and along the
+/// shadow ray, 0 where nothing comes from there.
+///
+/// Shapes: `reflection` from `srbf_mixture_reflect_from`; `radiance` [2][3], linear sRGB, that along the ray first; that of a ray which does
+/// not exist may be anything; `light` [3], linear sRGB, overwritten. Single estimates may be below 0.
+srbf_status srbf_reflection_light_from(const struct srbf_reflection *reflection,
+                                       const float *radiance,
+                                       float *light);
+
 #if defined(SRBF_HOSTED)
 /// Gives the settings that NULL stands for.
 srbf_status srbf_fit_settings_default(struct srbf_fit_settings *settings);
@@ -1195,7 +1415,8 @@ srbf_status srbf_fit_settings_default(struct srbf_fit_settings *settings);
 /// than a few hundred a view, values between them are badly known. No surface reflects more than it receives: where the albedo of
 /// the samples of a view is above 0.95, the fit is held to 0.95, and is darker than the samples. Shapes: `wo` and `wi` n unit
 /// vectors, `wo` above the horizon; samples whose `wi` is not are left out; `f` n colours, linear sRGB, of which negative channels
-/// count as 0; `settings` one, or NULL; `material` one pointer, overwritten. Status, with the reason in `srbf_last_message`:
+/// count as 0; `settings` one, or NULL; `material` one pointer, overwritten; `report` one, overwritten, or NULL.
+/// Status, with the reason in `srbf_last_message`:
 /// `SRBF_STATUS_DIRECTION` for a vector that is no unit vector; `SRBF_STATUS_TABLE`; `SRBF_STATUS_ARGUMENT` for a setting;
 /// `SRBF_STATUS_OTHER` if the system gives no threads to fit on, or there is no memory for the samples.
 ///
@@ -1206,7 +1427,8 @@ srbf_status srbf_fit_table(const struct srbf_fit_settings *settings,
                            const struct srbf_vectors *wo,
                            const struct srbf_vectors *wi,
                            const struct srbf_vectors *f,
-                           struct srbf_material **material);
+                           struct srbf_material **material,
+                           struct srbf_fit_report *report);
 #endif
 
 #if defined(SRBF_HOSTED)
@@ -1216,7 +1438,8 @@ srbf_status srbf_fit_table(const struct srbf_fit_settings *settings,
 srbf_status srbf_fit_brdf(const struct srbf_fit_settings *settings,
                           srbf_brdf brdf,
                           void *user,
-                          struct srbf_material **material);
+                          struct srbf_material **material,
+                          struct srbf_fit_report *report);
 #endif
 
 #if defined(SRBF_HOSTED)

@@ -231,6 +231,58 @@ private:
     srbf_expanded *expanded_ = nullptr;
 };
 
+/// Blends of several materials at one hit, of parts in memory of the caller: see srbf_blend_part.
+namespace blend {
+/// A part, untinted. The material must outlive it.
+template <class Material>
+srbf_blend_part part(const Material &material, float weight) {
+    srbf_blend_part made{};
+    made.material = material.get();
+    made.weight = weight;
+    for (float &channel : made.tint) channel = 1;
+    return made;
+}
+/// Whether parts are one behind the other.
+inline Status check(Span<const srbf_blend_part> parts) {
+    return parts.stride() == sizeof(srbf_blend_part) ? SRBF_STATUS_OK : SRBF_STATUS_STRIDE;
+}
+inline Status albedo(Span<const srbf_blend_part> parts, const Vec3 &wo, Vec3 &albedo) {
+    const Status status = check(parts);
+    return status ? status : Status(srbf_blend_albedo(parts.data(), parts.size(), wo.data(), albedo.data()));
+}
+inline Status evaluate_and_pdf(Span<const srbf_blend_part> parts, const Vec3 &wo, const Vec3 &wi, Vec3 &value, float &pdf) {
+    const Status status = check(parts);
+    if (status) return status;
+    return srbf_blend_evaluate_and_pdf(parts.data(), parts.size(), wo.data(), wi.data(), value.data(), &pdf);
+}
+inline Status sample(Span<const srbf_blend_part> parts, const Vec3 &wo, const Vec3 &u, srbf_sample &sample) {
+    const Status status = check(parts);
+    return status ? status : Status(srbf_blend_sample(parts.data(), parts.size(), wo.data(), u.data(), &sample));
+}
+inline Status sample_and_evaluate(Span<const srbf_blend_part> parts, const Vec3 &wo, const Vec3 &u, srbf_sample &sample, const Vec3 &wi,
+                                  Vec3 &value, float &pdf) {
+    const Status status = check(parts);
+    if (status) return status;
+    return srbf_blend_sample_and_evaluate(parts.data(), parts.size(), wo.data(), u.data(), &sample, wi.data(), value.data(), &pdf);
+}
+/// One part at random, and the rest of the number.
+inline Status choose(Span<const srbf_blend_part> parts, float u, srbf_blend_part &part, float &left) {
+    const Status status = check(parts);
+    return status ? status : Status(srbf_blend_choose(parts.data(), parts.size(), u, &part, &left));
+}
+/// n hits of one blend, each with an outgoing direction of its own; `ask_each` of a blend each, `count` parts of each hit after the other's.
+inline Status ask(Span<const srbf_blend_part> parts, const Request &request) {
+    const Status status = request.status() ? request.status() : check(parts);
+    return status ? status : Status(srbf_blend_ask(parts.data(), parts.size(), 0, request.size(), request.get()));
+}
+inline Status ask_each(Span<const srbf_blend_part> parts, std::size_t count, const Request &request) {
+    if (request.status()) return request.status();
+    if (check(parts)) return check(parts);
+    if (count == 0 || parts.size() / count != request.size() || parts.size() % count != 0) return SRBF_STATUS_SIZE;
+    return srbf_blend_ask(parts.data(), count, count * sizeof(srbf_blend_part), request.size(), request.get());
+}
+} // namespace blend
+
 /// Light from a map, and light and material sampled together, in storage of the caller: `srbf_environment_size` bytes, aligned to
 /// SRBF_ENVIRONMENT_ALIGNMENT, which must outlive it. A view, to be copied; an empty one answers every call with SRBF_STATUS_NULL.
 class Environment {
@@ -283,6 +335,68 @@ public:
 
 private:
     srbf_environment *environment_ = nullptr;
+};
+
+/// Light of any kind, sampled together with a material: a view of an object of the caller, which must outlive it, with the two verbs
+///
+///     void sample(std::size_t count, const float (*u)[SRBF_LIGHT_BLOCK], srbf_light_rows &rows) const;
+///     void evaluate(std::size_t count, srbf_light_rows &rows) const;
+///
+/// that `srbf_light_source` describes; `u` three rows of uniform numbers. An exception of theirs makes the call give SRBF_STATUS_LIGHT.
+class LightSource {
+public:
+    template <class Light>
+    explicit LightSource(const Light &light) : source_{const_cast<Light *>(&light), sample_of<Light>, evaluate_of<Light>} {}
+
+    const srbf_light_source *get() const { return &source_; }
+
+    /// Draws for this light and a mixture together: `sample.factor` times the radiance that is found along `sample.direction` reaches the viewer.
+    template <std::size_t Lobes>
+    Status sample_product(const Mixture<Lobes> &mixture, const std::array<Vec3, 3> &frame, const srbf_product_sampling &sampling,
+                          Span<const float> u, float choice, srbf_product_sample &sample) const {
+        if (u.size() != std::size_t{3} * sampling.candidates || u.stride() != sizeof(float)) return SRBF_STATUS_SIZE;
+        return srbf_mixture_sample_product_from(mixture.get(), get(), frame[0].data(), &sampling, u.data(), choice, &sample);
+    }
+    /// As of an `Environment`; its light is an estimate.
+    Status draw_block(Span<const float> u, srbf_light_block &block) const {
+        if (u.size() != std::size_t{3} * SRBF_LIGHT_BLOCK || u.stride() != sizeof(float)) return SRBF_STATUS_SIZE;
+        return srbf_light_block_draw_from(get(), u.data(), &block);
+    }
+    /// As of an `Environment`; `srbf_reflection_light_from` gives the light.
+    template <std::size_t Lobes>
+    Status reflect(const Mixture<Lobes> &mixture, const srbf_light_block &block, const std::array<Vec3, 3> &frame, const Vec3 &flat,
+                   Span<const float> u, float choice, srbf_reflection &reflection) const {
+        if (u.size() % 3 != 0 || u.stride() != sizeof(float)) return SRBF_STATUS_SIZE;
+        return srbf_mixture_reflect_from(mixture.get(), get(), &block, frame[0].data(), flat.data(), u.size() / 3, u.data(), choice,
+                                         &reflection);
+    }
+
+private:
+    /// Runs a verb, which must not leave by an exception.
+    template <class Verb>
+    static srbf_status contained(Verb verb) noexcept {
+#if defined(__cpp_exceptions)
+        try {
+            verb();
+        } catch (...) {
+            return SRBF_STATUS_LIGHT;
+        }
+#else
+        verb();
+#endif
+        return SRBF_STATUS_OK;
+    }
+    template <class Light>
+    static srbf_status sample_of(void *user, std::size_t count, const float *u, srbf_light_rows *rows) noexcept {
+        const auto numbers = reinterpret_cast<const float(*)[SRBF_LIGHT_BLOCK]>(u);
+        return contained([&] { static_cast<const Light *>(user)->sample(count, numbers, *rows); });
+    }
+    template <class Light>
+    static srbf_status evaluate_of(void *user, std::size_t count, srbf_light_rows *rows) noexcept {
+        return contained([&] { static_cast<const Light *>(user)->evaluate(count, *rows); });
+    }
+
+    srbf_light_source source_;
 };
 
 /// The columns of a material at N wavelengths, three numbers each, which take its colours to values there.

@@ -1,11 +1,16 @@
-// Materials of srbf in C++17 and CUDA without the library. Written by `srbf-evaluator`; do not edit.
+// A material of srbf in C++17 and CUDA without the library. Written by `srbf export`. How it is called:
 //
-//     std::vector<uint32_t> words = ...;                    // the bytes of a .srbf file, as they are
-//     if (srbf_device::srbf_check(words.data(), words.size()) != 0) return fail();
-//     srbf_device::SrbfMaterial material = srbf_device::srbf_material(words.data());
-//     srbf_device::SrbfView view = srbf_device::srbf_prepare(material, wo);
-//     srbf_device::SrbfSample sample = srbf_device::srbf_sample(material, view, srbf_device::vec3(u0, u1, u2));
-//     srbf_device::SrbfValue light = srbf_device::srbf_evaluate(material, view, wi);
+//     std::vector<uint32_t> words = ...;                                                                        // the bytes of a .srbf file, as they are
+//     if (srbf_device::srbf_check(words.data(), words.size()) != 0) return fail();                              // on the processor
+//     srbf_device::SrbfMaterial material = srbf_device::srbf_material(words.data());                            // once
+//     srbf_device::SrbfView view = srbf_device::srbf_prepare(material, wo);                                     // at every hit
+//     srbf_device::SrbfSample drawn = srbf_device::srbf_sample(material, view, srbf_device::vec3(u0, u1, u2));  // a random direction: wi, pdf, weight = f cos / pdf
+//     srbf_device::SrbfValue light = srbf_device::srbf_evaluate(material, view, wi);                            // light from wi: value = f cos, pdf
+//     srbf_device::vec3 albedo = srbf_device::srbf_albedo(material, view);                                      // light from everywhere
+//
+// wo and wi are unit vectors towards viewer and light, in the frame of the surface, whose z axis is the normal. u0, u1 and u2 are
+// random numbers from 0 to 1.
+// Nothing is yours to define.
 //
 // Against the library: value and density within 3e-4, the density at a draw within 5e-4. Processors of little-endian words.
 #pragma once

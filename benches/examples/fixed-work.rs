@@ -1,7 +1,8 @@
 //! A fixed amount of work, for counting instructions: `.ci/checks/60-instructions` runs it under callgrind.
 //!
 //! `fixed-work LEVEL OPERATION [TIMES]`, operation `none` or a name of [`Operation`]: with `-round` behind it of 12 general round lobes, with
-//! `factored-` before it of the garnet red preset with a table of factors, alone of the preset, with `packed-` of the preset in codes. It is done 4096 times, or as often as is said.
+//! `factored-` before it of the garnet red preset with a table of factors, alone of the preset, with `packed-` of the preset in codes, with `brushed-` of an anisotropic material of as many lobes. It is done
+//! 4096 times, or as often as is said.
 
 use srbf_benches::work::{Operation, Subject, Work};
 use srbf_core::Level;

@@ -1,5 +1,5 @@
-//! The cost of sampling light and material together: one draw of 8, 16 and 32 candidates, and even sums over a block of light and 8
-//! directions of the lobes, relative to one draw by multiple importance sampling, which is a lobe's and the environment's direction, both
+//! The cost of sampling light and material together: one draw of 8, 16 and 32 candidates, even sums over a block of light and 8
+//! directions of the lobes, and 8 candidates of a light of 16 lobes, which is no map, relative to one draw by multiple importance sampling, which is a lobe's and the environment's direction, both
 //! evaluated and weighed.
 //!
 //! `cargo run --release -p srbf-benches --example product [LEVEL...]`, five seconds a level. Times are the least of many rounds,
@@ -7,7 +7,10 @@
 
 use srbf_benches::harness::{Table, arguments, least_of, levels_of};
 use srbf_benches::{GARNET_RED, Random, Triples};
-use srbf_core::{Environment, Level, LightBlock, Material, Mixture, ProductSampling, Vec3, environment_len};
+use srbf_core::{
+    Domain, Draws, Environment, Level, LightBlock, LightRows, LightSource, Lobe, Material, Mixture,
+    ProductSampling, Towards, Vec3, environment_len,
+};
 use std::process::ExitCode;
 use std::time::Instant;
 
@@ -26,7 +29,7 @@ fn main() -> ExitCode {
     let heads = ["mis".to_owned()]
         .into_iter()
         .chain(CANDIDATES.map(|n| format!("{n} candidates")))
-        .chain(["even sums".to_owned()]);
+        .chain(["even sums", "8 of a light of lobes"].map(str::to_owned));
     let mut table = Table::new("ns a draw, and relative to one by multiple importance sampling", heads);
     for level in levels {
         level.set().expect("an available level");
@@ -53,6 +56,41 @@ fn environment(width: usize) -> Environment<Vec<u32>> {
         start.elapsed().as_secs_f64() * 1e9 / map.len() as f64
     );
     environment
+}
+
+/// A light of lobes over the sphere, as a path guider learns it.
+struct OfLobes(Mixture<'static, 16>);
+
+impl OfLobes {
+    fn new() -> Self {
+        let axes = Triples::directions(16, 3);
+        let lobe =
+            |i| Lobe::new(axes.at(i), 3.0 * (1 + i) as f32, [0.1 + i as f32; 3]).expect("a unit vector");
+        let lobes: Vec<Lobe> = (0..16).map(lobe).collect();
+        Self(Mixture::new(Domain::Sphere, 1.0, &[], &lobes).expect("room for them"))
+    }
+
+    fn estimate(&self, to: &mut LightRows) {
+        to.radiance = [to.pdf.map(|pdf| self.0.power() * pdf + 0.1); 3];
+    }
+}
+
+impl LightSource for OfLobes {
+    fn sample_into(&self, u: [&[f32]; 3], to: &mut LightRows) {
+        let n = u[0].len();
+        let direction = to.direction.each_mut().map(|row| &mut row[..n]);
+        let draws = Draws { u, direction, pdf: Some(&mut to.pdf[..n]), weight: None };
+        self.0.ask(draws.into()).expect("slices of one length");
+        self.estimate(to);
+    }
+
+    fn evaluate_into(&self, n: usize, to: &mut LightRows) {
+        let wi = to.direction.each_ref().map(|row| &row[..n]);
+        self.0
+            .ask(Towards { wi, value: None, pdf: Some(&mut to.pdf[..n]) }.into())
+            .expect("slices of one length");
+        self.estimate(to);
+    }
 }
 
 struct Work<'m> {
@@ -114,9 +152,24 @@ fn report(level: Level, work: &Work<'_>, environment: &Environment<Vec<u32>>, ta
     let mut random = Random(9);
     let mut u = [[0.0; 32]; 3];
     let blocks: Vec<_> = (0..64).map(|_| block(environment, &mut random)).collect();
-    let least = least_of(ROUNDS, 2 + CANDIDATES.len(), DRAWS, |way| {
+    let lobes = OfLobes::new();
+    let least = least_of(ROUNDS, 3 + CANDIDATES.len(), DRAWS, |way| {
         if way == 0 {
             return work.run(|m, frame| both_ways(m, environment, frame, &mut random));
+        }
+        if way == 2 + CANDIDATES.len() {
+            let sampling = ProductSampling::new(8, 0.5, f32::INFINITY).expect("in range");
+            return work.run(|m, frame| {
+                u.iter_mut().for_each(|u| u[..8].fill_with(|| random.uniform()));
+                let drawn = m.sample_product(
+                    &lobes,
+                    frame,
+                    &sampling,
+                    u.each_ref().map(|u| &u[..8]),
+                    random.uniform(),
+                );
+                drawn.expect("equal lengths").map_or(Vec3::ZERO, |drawn| drawn.weight)
+            });
         }
         if way > CANDIDATES.len() {
             let mut next = 0;

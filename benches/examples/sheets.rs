@@ -3,9 +3,9 @@
 //! `cargo run --release -p srbf-benches --example sheets [LEVEL...]`. Two presets are reflection and transmission of a sheet, whose back is like
 //! its front. Light lies on either side. Times are the least of many rounds in which all ways take turns, in nanoseconds a hit.
 
-use srbf_benches::Triples;
 use srbf_benches::harness::{Table, arguments, least_of, levels_of};
-use srbf_core::{Draws, Material, Request, Sheet, Towards};
+use srbf_benches::{Triples, whole_request};
+use srbf_core::{Material, Sheet};
 use std::hint::black_box;
 use std::process::ExitCode;
 
@@ -66,21 +66,9 @@ fn main() -> ExitCode {
                 }),
                 _ => (0..HITS).step_by(BATCH).for_each(|from| {
                     let part = from..from + BATCH;
-                    let [a, b, c, d, e, f, g, h, i, j, k] = out.each_mut().map(|s| &mut s[part.clone()]);
-                    let draw = Draws {
-                        u: u.0.each_ref().map(|s| &s[part.clone()]),
-                        direction: [a, b, c],
-                        pdf: Some(d),
-                        weight: Some([e, f, g]),
-                    };
                     let lights = if is_sheet { &wi } else { &above };
-                    let evaluate = Towards {
-                        wi: lights.0.each_ref().map(|s| &s[part.clone()]),
-                        value: Some([h, i, j]),
-                        pdf: Some(k),
-                    };
-                    let request = Request { draw: Some(draw), evaluate: Some(evaluate) };
-                    let wo = wo.0.each_ref().map(|s| &s[part.clone()]);
+                    let request = whole_request(&u, lights, &mut out, part.clone());
+                    let wo = wo.part(part);
                     let asked = if is_sheet { sheet.ask(wo, request) } else { reflection.ask(wo, request) };
                     asked.expect("slices of one length");
                 }),

@@ -9,9 +9,10 @@ pub mod harness;
 pub mod work;
 
 use srbf_core::{
-    Domain, FactorTable, Groups, Level, Line, Lobe, Material, Mixture, PackOptions, PlaneLobe, Room, Vec3,
-    View,
+    Domain, Draws, FactorTable, Grid, GridView, Groups, Level, Line, Lobe, Material, Mixture, PackOptions,
+    PlaneLobe, Request, Room, TiltedLobe, Towards, Vec3, View,
 };
+use std::ops::Range;
 use std::sync::OnceLock;
 
 /// Lobe counts that every batch operation is measured at.
@@ -73,10 +74,30 @@ impl Triples {
         [&self.0[0], &self.0[1], &self.0[2]]
     }
 
+    /// A part of them.
+    pub fn part(&self, range: Range<usize>) -> [&[f32]; 3] {
+        self.0.each_ref().map(|row| &row[range.clone()])
+    }
+
     /// The `i`-th triple.
     pub fn at(&self, i: usize) -> Vec3 {
         Vec3::new(self.0[0][i], self.0[1][i], self.0[2][i])
     }
+}
+
+/// A request for all of some hits: a draw, and the light from `wi`.
+///
+/// Its eleven rows are direction, density and weight of the draw, then value and density of `wi`.
+pub fn whole_request<'a>(
+    u: &'a Triples,
+    wi: &'a Triples,
+    out: &'a mut [Vec<f32>; 11],
+    hits: Range<usize>,
+) -> Request<'a> {
+    let [a, b, c, d, e, f, g, h, i, j, k] = out.each_mut().map(|row| &mut row[hits.clone()]);
+    let draw = Draws { u: u.part(hits.clone()), direction: [a, b, c], pdf: Some(d), weight: Some([e, f, g]) };
+    let evaluate = Towards { wi: wi.part(hits), value: Some([h, i, j]), pdf: Some(k) };
+    Request { draw: Some(draw), evaluate: Some(evaluate) }
 }
 
 /// `count` lobes with axes far above the horizon: none needs its fold, to compare with those who have none.
@@ -160,6 +181,68 @@ pub fn packed(material: &Material<impl AsRef<[u8]>>) -> Vec<u8> {
 pub fn packed_material() -> &'static Material {
     static MATERIAL: OnceLock<Material> = OnceLock::new();
     MATERIAL.get_or_init(|| Material::from_bytes(&*packed(garnet_red()).leak()).expect("a valid material"))
+}
+
+/// The garnet red preset as a brushed surface, which is made once: its angles, by as many lobes, the images of mirrored ones stored, at five
+/// views over a quarter of the turn. Along the brush lobes are wider.
+pub fn brushed_material() -> &'static Material {
+    static MATERIAL: OnceLock<Material> = OnceLock::new();
+    MATERIAL.get_or_init(|| Material::from_bytes(&*brushed_bytes().leak()).expect("a valid material"))
+}
+
+fn brushed_bytes() -> Vec<u8> {
+    const AZIMUTHS: usize = 5;
+    let material = garnet_red();
+    let thetas: Vec<f32> =
+        (0..material.view_count()).map(|v| material.view_theta(v).expect("a view by angle")).collect();
+    let (stored, mirrored) = (material.view_lobe_count(), material.mirrored_count());
+    let places: Vec<(usize, f32)> = (0..thetas.len())
+        .flat_map(|v| {
+            let turn = |j| std::f32::consts::FRAC_PI_2 * j as f32 / (AZIMUTHS - 1) as f32;
+            (0..if v == 0 { 1 } else { AZIMUTHS }).map(move |j| (v, turn(j)))
+        })
+        .collect();
+    let lobes_at = |&(v, turn): &(usize, f32)| -> Vec<TiltedLobe> {
+        let lobe = |k: usize| {
+            let (k, side) = if k < stored { (k, 1.0) } else { (k - mirrored, -1.0) };
+            let lobe = material.view_lobe(v, k).expect("a lobe of the plane");
+            let ((sin, cos), (off, on)) = (lobe.angle.sin_cos(), (side * lobe.off_plane).sin_cos());
+            let (along, up) = (sin * on, cos * on);
+            let scale = up.acos() / along.hypot(off).max(1e-9);
+            TiltedLobe {
+                tilt: [along * scale, off * scale],
+                log2_sharpness: lobe.log2_sharpness + 0.4 * (2.0 * turn).cos(),
+                log2_luminance: lobe.log2_luminance,
+                color_differences: lobe.color_differences,
+            }
+        };
+        (0..stored + mirrored).map(lobe).collect()
+    };
+    let lobes: Vec<_> = places.iter().map(lobes_at).collect();
+    let view = |(&(v, turn), lobes): (&(usize, f32), &'static [TiltedLobe])| {
+        let (sin, cos) = (2.0 * turn).sin_cos();
+        Some(GridView {
+            log2_squeeze: [-0.6 * cos, 0.6 * sin, 0.6 * cos - material.view_log2_squeeze(v)?],
+            log2_diffuse: material.view_log2_diffuse(v)?,
+            diffuse_color_differences: material.view_diffuse_color_differences(v)?,
+            lobes,
+        })
+    };
+    let lobes: Vec<&'static [TiltedLobe]> = lobes.into_iter().map(|lobes| &*lobes.leak()).collect();
+    let views: Vec<_> =
+        places.iter().zip(lobes).map(|place| view(place).expect("a view of an isotropic material")).collect();
+    let grid = Grid {
+        thetas: &thetas,
+        azimuths: AZIMUTHS,
+        turns: 4,
+        axis: 0.4,
+        views: &views,
+        squeezed: material.squeezed_count(),
+        factors: None,
+    };
+    let mut bytes = vec![0; grid.encoded_len("")];
+    grid.encode("", &mut bytes).expect("a valid material");
+    bytes
 }
 
 /// The garnet red preset with a table of 24 by 6 by 3 factors, which is made once.

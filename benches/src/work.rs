@@ -1,8 +1,8 @@
 //! Operations by name, each on the same directions: `fixed-work` counts their instructions, `cycles` their time.
 
 use crate::{
-    Triples, factored_material, garnet_mixture, garnet_red, general_mixture, mixture_at_50_degrees,
-    packed_material,
+    Triples, brushed_material, factored_material, garnet_mixture, garnet_red, general_mixture,
+    mixture_at_50_degrees, packed_material,
 };
 use srbf_core::{
     Draws, Environment, LeaveOut, LightBlock, Material, Mixture, Request, Towards, Vec3, environment_len,
@@ -90,15 +90,18 @@ pub enum Subject {
     Factored,
     /// The preset in codes of 8 bits, where the operation is of a material; else the preset.
     Packed,
+    /// The preset as a brushed surface, where the operation is of a material; else the preset.
+    Brushed,
 }
 
 impl Subject {
     /// Each with what stands before and behind the name of an operation of it.
-    pub const ALL: [(Self, &'static str, &'static str); 4] = [
+    pub const ALL: [(Self, &'static str, &'static str); 5] = [
         (Self::Preset, "", ""),
         (Self::Round, "", "-round"),
         (Self::Factored, "factored-", ""),
         (Self::Packed, "packed-", ""),
+        (Self::Brushed, "brushed-", ""),
     ];
 }
 
@@ -115,6 +118,7 @@ pub struct Work {
     prepared: Mixture<'static, 16>,
     factored_material: &'static Material,
     packed_material: &'static Material,
+    brushed_material: &'static Material,
     factored: Mixture<'static, 64>,
     light: Environment<Vec<u32>>,
 }
@@ -133,6 +137,7 @@ impl Work {
             prepared: Mixture::empty(),
             factored_material: factored_material(),
             packed_material: packed_material(),
+            brushed_material: brushed_material(),
             factored: mixture_at_50_degrees(factored_material()),
             light: light(),
         }
@@ -146,6 +151,7 @@ impl Work {
             Subject::Round => (&self.round, self.material),
             Subject::Factored => (&self.factored, self.factored_material),
             Subject::Packed => (&self.garnet, self.packed_material),
+            Subject::Brushed => (&self.garnet, self.brushed_material),
         };
         let prepared = &mut self.prepared;
         let n = out[0].len();

@@ -4,11 +4,13 @@
 //! arrays as one: where none of them meets another, nothing can overlap. Members of one structure come next.
 #![allow(unsafe_code)]
 
-use crate::guard::{Failure, Outcome};
+use crate::arguments::Argument;
+use crate::guard::{Failure, Named, Outcome};
 use crate::pointers::{apart, check_apart, read};
 use crate::request::srbf_request;
 use crate::status::{SRBF_STATUS_ARGUMENT, SRBF_STATUS_OVERLAP, SRBF_STATUS_SIZE};
 use crate::streams::{BLOCK, NUMBER, Stream, srbf_numbers_out, srbf_vectors, srbf_vectors_out};
+use core::iter::repeat_n;
 use core::mem::MaybeUninit;
 use core::ops::Range;
 use srbf_core::{Draws, Request, Towards};
@@ -131,8 +133,8 @@ impl<'a> Arrays<'a> {
         looks_at_wo: bool,
     ) -> Result<Self, Failure> {
         // SAFETY: the header's contract; of a request of another size no more than that is read.
-        if unsafe { read(request.cast::<usize>())? } != size_of::<srbf_request>() {
-            return Err(SRBF_STATUS_SIZE.into());
+        if unsafe { read(request.cast::<usize>()).of(Argument::Request)? } != size_of::<srbf_request>() {
+            return Err(SRBF_STATUS_SIZE).of(Argument::RequestSize);
         }
         // In place: a copy would wait for the stores of the caller.
         // SAFETY: not NULL and aligned, as `read` has seen; readable by the header's contract. `checked` refuses outputs upon it.
@@ -168,8 +170,8 @@ impl<'a> Arrays<'a> {
     fn check_each(&self) -> Outcome {
         let mut all = [Stream::NONE; INPUTS + OUTPUTS];
         let (mut n, inputs) = (0, self.inputs().count());
-        for stream in self.inputs().chain(self.outputs()) {
-            stream.check(self.count)?;
+        for (stream, name) in self.inputs().chain(self.outputs()).zip(self.names()) {
+            stream.check(self.count).of(name)?;
             all[n] = stream;
             n += 1;
         }
@@ -177,15 +179,33 @@ impl<'a> Arrays<'a> {
         if are_other_members(streams, inputs) {
             return Ok(());
         }
-        for (o, output) in streams.iter().enumerate().skip(inputs) {
+        for ((o, output), name) in streams.iter().enumerate().zip(self.names()).skip(inputs) {
             let extent = output.extent(self.count);
             for other in &streams[..o] {
                 if !apart(&extent, &other.extent(self.count)) && output.shares_with(other) {
-                    return Err(SRBF_STATUS_OVERLAP.into());
+                    return Err(SRBF_STATUS_OVERLAP).of(name);
                 }
             }
         }
         Ok(())
+    }
+
+    /// The member of the request that each array belongs to.
+    fn names(&self) -> impl Iterator<Item = Argument> {
+        let Asked { wo, wi, u, value, pdf, density, weight } = Asked::of(self.request, self.looks_at_wo);
+        let members = [
+            (Argument::RequestWo, wo, 3),
+            (Argument::RequestWi, wi, 3),
+            (Argument::RequestU, u, 3),
+            (Argument::RequestValue, value, 3),
+            (Argument::RequestPdf, pdf, 1),
+            (Argument::SamplesDirection, u, 3),
+            (Argument::SamplesPdf, density, 1),
+            (Argument::SamplesWeight, weight, 3),
+        ];
+        members
+            .into_iter()
+            .flat_map(|(name, is_there, arrays)| repeat_n(name, if is_there { arrays } else { 0 }))
     }
 
     /// Refuses outputs upon bytes that are read.
@@ -332,7 +352,7 @@ fn checked(request: &srbf_request, count: usize, looks_at_wo: bool) -> Result<Ch
     let (asked, samples) = (Asked::of(request, looks_at_wo), &request.samples);
     // Densities and weights are of directions.
     if (asked.density | asked.weight) & !asked.u {
-        return Err(SRBF_STATUS_ARGUMENT.into());
+        return Err(SRBF_STATUS_ARGUMENT).of(Argument::SamplesDirection);
     }
     let mut seen = Seen { count, bits: 0, strides: 0, wide: 0, signs: 0 };
     let (mut wo, mut wi, mut u) = (Span::NONE, Span::NONE, Span::NONE);

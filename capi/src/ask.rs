@@ -1,9 +1,10 @@
 //! One way to ask for n hits: of mixtures, of materials, of expanded ones.
 #![allow(unsafe_code)]
 
+use crate::arguments::Argument;
 use crate::arrays::Arrays;
 use crate::expanded::{object, srbf_expanded};
-use crate::guard::guard;
+use crate::guard::{Named, guard};
 use crate::material::{material, srbf_material};
 use crate::mixtures::Mixtures;
 use crate::pointers::read;
@@ -33,7 +34,8 @@ pub unsafe extern "C" fn srbf_mixture_ask(
         }
         if mixture_stride == 0 {
             // SAFETY: the header's contract.
-            let (any, arrays) = unsafe { (mixture(mixtures)?, Arrays::new(request, n, false)?) };
+            let (any, arrays) =
+                unsafe { (mixture(mixtures).of(Argument::Mixtures)?, Arrays::new(request, n, false)?) };
             extents(mixtures, any).iter().try_for_each(|place| arrays.check_object(place))?;
             // SAFETY: the header's contract.
             return unsafe {
@@ -60,7 +62,7 @@ pub unsafe extern "C" fn srbf_mixture_ask(
 }
 
 /// A part of a request.
-fn part_of<'a>(request: &'a mut Request<'_>, part: Range<usize>) -> Request<'a> {
+pub(crate) fn part_of<'a>(request: &'a mut Request<'_>, part: Range<usize>) -> Request<'a> {
     let draw = request.draw.as_mut().map(|Draws { u, direction, pdf, weight }| Draws {
         u: u.map(|s| &s[part.clone()]),
         direction: direction.each_mut().map(|s| &mut s[part.clone()]),
@@ -107,7 +109,7 @@ pub unsafe extern "C" fn srbf_material_ask(
             };
         }
         // SAFETY: the header's contract; `new` has read it.
-        let materials = unsafe { read(request)? }.materials;
+        let materials = unsafe { read(request).of(Argument::Request)? }.materials;
         let place = materials.check(n)?;
         arrays.check_between(&place, size_of::<*const srbf_material>(), materials.stride)?;
         for i in 0..n {

@@ -6,6 +6,7 @@ use crate::status::{
     SRBF_STATUS_CHECKSUM, SRBF_STATUS_DIRECTION, SRBF_STATUS_FIELD, SRBF_STATUS_FORMAT_VERSION,
     SRBF_STATUS_LENGTH, SRBF_STATUS_MAGIC, SRBF_STATUS_OBJECT, SRBF_STATUS_OTHER, SRBF_STATUS_SHARPNESS,
     SRBF_STATUS_SIMD_LEVEL, SRBF_STATUS_SIZE, SRBF_STATUS_SQUEEZE, SRBF_STATUS_SQUEEZED, SRBF_STATUS_UNIFORM,
+    SRBF_STATUS_WEIGHT,
 };
 use srbf_core::{Error, FormatError, Vec3};
 
@@ -21,6 +22,8 @@ impl From<Error> for Failure {
             Error::Squeezed => SRBF_STATUS_SQUEEZED,
             Error::Direction => SRBF_STATUS_DIRECTION,
             Error::Level => SRBF_STATUS_SIMD_LEVEL,
+            Error::Weight => SRBF_STATUS_WEIGHT,
+            Error::Parts => SRBF_STATUS_ARGUMENT,
             Error::Share | Error::Rows | Error::Anisotropic | Error::Candidates | Error::Kappa => {
                 SRBF_STATUS_ARGUMENT
             }

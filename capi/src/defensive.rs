@@ -1,8 +1,9 @@
 //! A mixture with a defensive component, and how techniques are combined.
 #![allow(unsafe_code)]
 
+use crate::arguments::Argument;
 use crate::convert::{direction, uniform};
-use crate::guard::guard;
+use crate::guard::{Named, guard};
 use crate::pointers::{Out, read_array};
 use crate::single::drawn;
 use crate::single::srbf_sample;
@@ -29,8 +30,10 @@ pub unsafe extern "C" fn srbf_mixture_sample_defensive(
 ) -> srbf_status {
     guard(|| {
         // SAFETY: the header's contract.
-        let (mixture, u, out) = unsafe { (self::mixture(mixture)?, read_array(u)?, Out::new(sample)?) };
-        let u = uniform(u)?;
+        let (mixture, u, out) = unsafe {
+            (self::mixture(mixture)?, read_array(u).of(Argument::U)?, Out::new(sample).of(Argument::Sample)?)
+        };
+        let u = uniform(u).of(Argument::U)?;
         let sample = Defensive::new(mixture, share)?.sample(u);
         out.set(drawn(Some(sample)));
         Ok(())
@@ -49,8 +52,10 @@ pub unsafe extern "C" fn srbf_mixture_pdf_defensive(
 ) -> srbf_status {
     guard(|| {
         // SAFETY: the header's contract.
-        let (mixture, wi, out) = unsafe { (self::mixture(mixture)?, read_array(wi)?, Out::new(pdf)?) };
-        let wi = direction(wi)?;
+        let (mixture, wi, out) = unsafe {
+            (self::mixture(mixture)?, read_array(wi).of(Argument::Wi)?, Out::new(pdf).of(Argument::Pdf)?)
+        };
+        let wi = direction(wi).of(Argument::Wi)?;
         out.set(Defensive::new(mixture, share)?.pdf(wi));
         Ok(())
     })

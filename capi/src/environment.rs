@@ -1,8 +1,9 @@
 //! Light from a map, and light and material sampled together.
 #![allow(unsafe_code)]
 
+use crate::arguments::Argument;
 use crate::convert::{direction, uniform};
-use crate::guard::{Failure, guard};
+use crate::guard::{Failure, Named, Outcome, guard};
 use crate::pointers::{Out, check, check_apart, check_extent, read, read_array, slice};
 use crate::status::{
     SRBF_STATUS_ARGUMENT, SRBF_STATUS_DIRECTION, SRBF_STATUS_MISALIGNED, SRBF_STATUS_OBJECT,
@@ -12,7 +13,7 @@ use crate::storage::mixture;
 use crate::storage::srbf_mixture;
 use core::ops::Range;
 use core::ptr::NonNull;
-use srbf_core::{Environment, ProductSampling, Vec3, environment_len};
+use srbf_core::{Environment, LightRows, LightSource, ProductSample, ProductSampling, Vec3, environment_len};
 
 /// Alignment of the storage for an environment: that of a cache line.
 pub const SRBF_ENVIRONMENT_ALIGNMENT: usize = 64;
@@ -50,6 +51,19 @@ impl AsMut<[u32]> for Words {
     fn as_mut(&mut self) -> &mut [u32] {
         // SAFETY: only called while the environment is made, in storage that is nobody else's then, by the header's contract.
         unsafe { core::slice::from_raw_parts_mut(self.first.as_ptr(), self.count) }
+    }
+}
+
+/// An environment as a light, which is looked up and drawn from as the map that it is, and never by the two verbs.
+pub(crate) struct Map<'a>(pub(crate) &'a srbf_environment);
+
+impl LightSource for Map<'_> {
+    fn sample_into(&self, _: [&[f32]; 3], _: &mut LightRows) {}
+
+    fn evaluate_into(&self, _: usize, _: &mut LightRows) {}
+
+    fn environment(&self) -> Option<Environment<&[u32]>> {
+        self.0.environment.environment()
     }
 }
 
@@ -107,6 +121,8 @@ pub struct srbf_product_sample {
     pub direction: [f32; 3],
     /// The light that is reflected to the viewer if nothing is in the way, linear sRGB; all 0: nothing was drawn.
     pub weight: [f32; 3],
+    /// `f cos` over the density of such a draw: the factor on the true radiance from there, where the light's is an estimate.
+    pub factor: [f32; 3],
 }
 
 impl srbf_product_sampling {
@@ -124,11 +140,11 @@ impl srbf_product_sampling {
 pub(crate) unsafe fn object<'a>(
     environment: *const srbf_environment,
 ) -> Result<&'a srbf_environment, Failure> {
-    check(environment)?;
+    check(environment).of(Argument::Environment)?;
     // SAFETY: not NULL and aligned; readable by the contract. The tag is looked at through the pointer, before there is a
     // reference to a whole that may not be one.
     if unsafe { (&raw const (*environment).tag).read() } != TAG {
-        return Err(SRBF_STATUS_OBJECT.into());
+        return Err(SRBF_STATUS_OBJECT).of(Argument::Environment);
     }
     // SAFETY: the tag says that this library wrote one here; it never changes.
     Ok(unsafe { &*environment })
@@ -148,13 +164,13 @@ fn place(
     size: usize,
 ) -> Result<(*mut srbf_environment, Range<usize>), Failure> {
     let place = storage.cast::<srbf_environment>();
-    check(place)?;
+    check(place).of(Argument::Storage)?;
     if !place.addr().is_multiple_of(SRBF_ENVIRONMENT_ALIGNMENT) {
-        return Err(SRBF_STATUS_MISALIGNED.into());
+        return Err(SRBF_STATUS_MISALIGNED).of(Argument::Storage);
     }
-    check_extent(place.addr(), storage_size, 1)?;
+    check_extent(place.addr(), storage_size, 1).of(Argument::StorageSize)?;
     if storage_size < size {
-        return Err(SRBF_STATUS_SIZE.into());
+        return Err(SRBF_STATUS_SIZE).of(Argument::StorageSize);
     }
     Ok((place, place.addr()..place.addr() + size))
 }
@@ -167,7 +183,7 @@ fn place(
 pub unsafe extern "C" fn srbf_environment_size(width: usize, height: usize, size: *mut usize) -> srbf_status {
     guard(|| {
         // SAFETY: the header's contract.
-        let out = unsafe { Out::new(size)? };
+        let out = unsafe { Out::new(size).of(Argument::Size)? };
         out.set(size_of_map(width, height)?);
         Ok(())
     })
@@ -191,12 +207,12 @@ pub unsafe extern "C" fn srbf_environment_make(
 ) -> srbf_status {
     guard(|| {
         // SAFETY: the header's contract.
-        let out = unsafe { Out::new(environment)? };
+        let out = unsafe { Out::new(environment).of(Argument::Environment)? };
         let size = size_of_map(width, height)?;
         let turn = angle(turn)?;
         let (place, written) = place(storage, storage_size, size)?;
         // SAFETY: the header's contract; three numbers are aligned as one is.
-        let map: &[[f32; 3]] = unsafe { slice(radiance.cast(), width * height)? };
+        let map: &[[f32; 3]] = unsafe { slice(radiance.cast(), width * height).of(Argument::Radiance)? };
         let from = map.as_ptr().addr();
         for other in [from..from + size_of_val(map), out.extent()] {
             check_apart(&written, &other)?;
@@ -227,7 +243,7 @@ pub unsafe extern "C" fn srbf_environment_query(
 ) -> srbf_status {
     guard(|| {
         // SAFETY: the header's contract.
-        let (object, out) = unsafe { (object(environment)?, Out::new(info)?) };
+        let (object, out) = unsafe { (object(environment)?, Out::new(info).of(Argument::Info)?) };
         let words = object.environment.table();
         out.set(srbf_environment_info {
             table: words.as_ptr().cast(),
@@ -255,14 +271,14 @@ pub unsafe extern "C" fn srbf_environment_read(
 ) -> srbf_status {
     guard(|| {
         // SAFETY: the header's contract.
-        let out = unsafe { Out::new(environment)? };
+        let out = unsafe { Out::new(environment).of(Argument::Environment)? };
         let turn = angle(turn)?;
         let (place, written) = place(storage, storage_size, SRBF_ENVIRONMENT_HEAD_SIZE)?;
         if !table_size.is_multiple_of(4) {
-            return Err(SRBF_STATUS_OBJECT.into());
+            return Err(SRBF_STATUS_OBJECT).of(Argument::Environment);
         }
         // SAFETY: the header's contract.
-        let words: &[u32] = unsafe { slice(table.cast(), table_size / 4)? };
+        let words: &[u32] = unsafe { slice(table.cast(), table_size / 4).of(Argument::Table)? };
         for other in [words.as_ptr().addr()..words.as_ptr().addr() + table_size, out.extent()] {
             check_apart(&written, &other)?;
         }
@@ -288,13 +304,13 @@ pub unsafe extern "C" fn srbf_environment_evaluate(
 ) -> srbf_status {
     guard(|| {
         // SAFETY: the header's contract.
-        let (object, d) = unsafe { (object(environment)?, read_array(direction)?) };
+        let (object, d) = unsafe { (object(environment)?, read_array(direction).of(Argument::Direction)?) };
         // SAFETY: the header's contract.
         let to_radiance =
             (!radiance.is_null()).then(|| unsafe { Out::<[f32; 3]>::array(radiance) }).transpose()?;
         // SAFETY: the header's contract.
         let to_pdf = (!pdf.is_null()).then(|| unsafe { Out::new(pdf) }).transpose()?;
-        let direction = self::direction(d)?;
+        let direction = self::direction(d).of(Argument::Direction)?;
         match (to_radiance, to_pdf) {
             (Some(radiance), Some(pdf)) => {
                 check_apart(&radiance.extent(), &pdf.extent())?;
@@ -321,8 +337,10 @@ pub unsafe extern "C" fn srbf_environment_sample(
 ) -> srbf_status {
     guard(|| {
         // SAFETY: the header's contract.
-        let (object, u, out) = unsafe { (object(environment)?, read_array(u)?, Out::new(sample)?) };
-        let drawn = object.environment.sample(uniform(u)?);
+        let (object, u, out) = unsafe {
+            (object(environment)?, read_array(u).of(Argument::U)?, Out::new(sample).of(Argument::Sample)?)
+        };
+        let drawn = object.environment.sample(uniform(u).of(Argument::U)?);
         out.set(srbf_light_sample {
             direction: drawn.direction.to_array(),
             pdf: drawn.pdf,
@@ -338,7 +356,7 @@ pub unsafe extern "C" fn srbf_environment_sample(
 /// Without occlusion its variance is that of multiple importance sampling with as many directions as there are candidates.
 /// Shapes: `frame` [9], tangent, bitangent and normal of the shading frame in the world, unit vectors at right angles; `u`
 /// [3][candidates], uniform numbers in [0, 1): the first of all candidates, then the second, then the third; `choice` one more;
-/// `sample` one, overwritten, with the normal and weight 0 where no candidate brings light.
+/// `sample` one, overwritten, with the normal, weight and factor 0 where no candidate brings light.
 /// Status: `SRBF_STATUS_ARGUMENT` for a `sampling` out of range.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn srbf_mixture_sample_product(
@@ -352,29 +370,52 @@ pub unsafe extern "C" fn srbf_mixture_sample_product(
 ) -> srbf_status {
     guard(|| {
         // SAFETY: the header's contract.
-        let (mixture, object, frame, sampling, out) = unsafe {
-            let (mixture, object) = (self::mixture(mixture)?, object(environment)?);
-            (mixture, object, read_array::<9>(frame)?, read(sampling)?, Out::new(sample)?)
-        };
-        let sampling = sampling.to_core()?;
-        let frame = axes(frame)?;
-        let [choice] = uniform([choice])?;
-        let n = sampling.candidates();
-        // SAFETY: the header's contract.
-        let u = unsafe { slice(u, 3 * n)? };
-        if !u.iter().all(|u| (0.0..1.0).contains(u)) {
-            return Err(SRBF_STATUS_UNIFORM.into());
+        unsafe {
+            let light = Map(object(environment)?);
+            sample_product(mixture, &light, frame, sampling, u, choice, sample)
         }
-        let (first, rest) = u.split_at(n);
-        let (second, third) = rest.split_at(n);
-        let drawn = {
-            mixture.sample_product(&object.environment, &frame, &sampling, [first, second, third], choice)
-        }?;
-        let (direction, weight) =
-            drawn.map_or((frame[2], Vec3::ZERO), |drawn| (drawn.direction, drawn.weight));
-        out.set(srbf_product_sample { direction: direction.to_array(), weight: weight.to_array() });
-        Ok(())
     })
+}
+
+/// Draws for light and a mixture together.
+///
+/// # Safety
+/// The header's contract of [`srbf_mixture_sample_product`].
+pub(crate) unsafe fn sample_product(
+    mixture: *const srbf_mixture,
+    light: &dyn LightSource,
+    frame: *const f32,
+    sampling: *const srbf_product_sampling,
+    u: *const f32,
+    choice: f32,
+    sample: *mut srbf_product_sample,
+) -> Outcome {
+    // SAFETY: the header's contract.
+    let (mixture, frame, sampling, out) = unsafe {
+        (
+            self::mixture(mixture)?,
+            read_array::<9>(frame).of(Argument::Frame)?,
+            read(sampling).of(Argument::Sampling)?,
+            Out::new(sample).of(Argument::Sample)?,
+        )
+    };
+    let sampling = sampling.to_core()?;
+    let frame = axes(frame)?;
+    let [choice] = uniform([choice]).of(Argument::Choice)?;
+    let n = sampling.candidates();
+    // SAFETY: the header's contract.
+    let u = unsafe { slice(u, 3 * n).of(Argument::U)? };
+    if !u.iter().all(|u| (0.0..1.0).contains(u)) {
+        return Err(SRBF_STATUS_UNIFORM.into());
+    }
+    let (first, rest) = u.split_at(n);
+    let (second, third) = rest.split_at(n);
+    let drawn = mixture.sample_product(&light, &frame, &sampling, [first, second, third], choice)?;
+    let none = ProductSample { direction: frame[2], weight: Vec3::ZERO, factor: Vec3::ZERO };
+    let ProductSample { direction, weight, factor } = drawn.unwrap_or(none);
+    let [direction, weight, factor] = [direction, weight, factor].map(|v| v.to_array());
+    out.set(srbf_product_sample { direction, weight, factor });
+    Ok(())
 }
 
 /// Refuses vectors that are not three unit vectors at right angles, to 1e-3.
@@ -402,7 +443,8 @@ pub unsafe extern "C" fn srbf_product_ray_weight(
 ) -> srbf_status {
     guard(|| {
         // SAFETY: the header's contract.
-        let (sampling, out) = unsafe { (read(sampling)?, Out::new(weight)?) };
+        let (sampling, out) =
+            unsafe { (read(sampling).of(Argument::Sampling)?, Out::new(weight).of(Argument::Weight)?) };
         out.set(sampling.to_core()?.ray_weight(pdf, environment_pdf));
         Ok(())
     })

@@ -1,8 +1,9 @@
 //! Expanded materials in the caller's storage.
 #![allow(unsafe_code)]
 
+use crate::arguments::Argument;
 use crate::convert::direction;
-use crate::guard::{Failure, guard};
+use crate::guard::{Failure, Named, guard};
 use crate::material::material;
 use crate::material::srbf_material;
 use crate::pointers::{Out, check, check_apart, check_extent, read_array};
@@ -54,11 +55,11 @@ impl srbf_expanded {
 /// The header's contract: a pointer that is not NULL points to an expanded material.
 #[inline(always)]
 pub(crate) unsafe fn object<'a>(expanded: *const srbf_expanded) -> Result<&'a srbf_expanded, Failure> {
-    check(expanded)?;
+    check(expanded).of(Argument::Expanded)?;
     // SAFETY: not NULL and aligned; readable by the contract. The tag is looked at through the pointer, before there is a
     // reference to a whole that may not be one.
     if unsafe { (&raw const (*expanded).tag).read() } != TAG {
-        return Err(SRBF_STATUS_OBJECT.into());
+        return Err(SRBF_STATUS_OBJECT).of(Argument::Expanded);
     }
     // SAFETY: the tag says that this library wrote one here; it never changes.
     Ok(unsafe { &*expanded })
@@ -83,7 +84,7 @@ pub unsafe extern "C" fn srbf_expanded_size(
 ) -> srbf_status {
     guard(|| {
         // SAFETY: the header's contract.
-        let (material, out) = unsafe { (self::material(material)?, Out::new(size)?) };
+        let (material, out) = unsafe { (self::material(material)?, Out::new(size).of(Argument::Size)?) };
         out.set(size_of_rows(material, rows).ok_or(SRBF_STATUS_SIZE)?);
         Ok(())
     })
@@ -105,18 +106,19 @@ pub unsafe extern "C" fn srbf_expanded_make(
 ) -> srbf_status {
     guard(|| {
         // SAFETY: the header's contract.
-        let (material, out) = unsafe { (self::material(material)?, Out::new(expanded)?) };
+        let (material, out) =
+            unsafe { (self::material(material)?, Out::new(expanded).of(Argument::Expanded)?) };
         let place = storage.cast::<srbf_expanded>();
-        check(place)?;
+        check(place).of(Argument::Storage)?;
         if !place.addr().is_multiple_of(SRBF_EXPANDED_ALIGNMENT) {
-            return Err(SRBF_STATUS_MISALIGNED.into());
+            return Err(SRBF_STATUS_MISALIGNED).of(Argument::Storage);
         }
-        check_extent(place.addr(), storage_size, 1)?;
+        check_extent(place.addr(), storage_size, 1).of(Argument::StorageSize)?;
         let size = size_of_rows(material, rows).ok_or(SRBF_STATUS_SIZE)?;
         // A number of rows that has no meaning is named before a size that follows from it.
         Expanded::check(&material.material, rows)?;
         if storage_size < size {
-            return Err(SRBF_STATUS_SIZE.into());
+            return Err(SRBF_STATUS_SIZE).of(Argument::StorageSize);
         }
         let written = place.addr()..place.addr() + size;
         for other in material.extents().into_iter().chain([out.extent()]) {
@@ -153,8 +155,13 @@ pub unsafe extern "C" fn srbf_expanded_prepare(
 ) -> srbf_status {
     guard(|| {
         // SAFETY: the header's contract.
-        let (object, wo, mixture) =
-            unsafe { (object(expanded)?, direction(read_array(wo)?)?, mixture_mut(mixture)?) };
+        let (object, wo, mixture) = unsafe {
+            (
+                object(expanded)?,
+                direction(read_array(wo).of(Argument::Wo)?).of(Argument::Wo)?,
+                mixture_mut(mixture)?,
+            )
+        };
         check_room(object.expanded.material().lobe_count(), mixture.capacity())?;
         object.expanded.prepare(wo, mixture)?;
         Ok(())

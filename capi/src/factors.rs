@@ -1,8 +1,9 @@
 //! Factors of a material, which multiply the values of its lobes.
 #![allow(unsafe_code)]
 
+use crate::arguments::Argument;
 use crate::convert::direction;
-use crate::guard::guard;
+use crate::guard::{Named, guard};
 use crate::material::material;
 use crate::material::srbf_material;
 use crate::pointers::{Out, read_array};
@@ -23,7 +24,8 @@ pub unsafe extern "C" fn srbf_material_factor_node(
 ) -> srbf_status {
     guard(|| {
         // SAFETY: the header's contract.
-        let (material, out) = unsafe { (self::material(material)?, Out::<[f32; 3]>::array(factor)?) };
+        let (material, out) =
+            unsafe { (self::material(material)?, Out::<[f32; 3]>::array(factor).of(Argument::Factor)?) };
         out.set(material.material.factor_node(half, difference, azimuth).ok_or(SRBF_STATUS_INDEX)?);
         Ok(())
     })
@@ -43,9 +45,19 @@ pub unsafe extern "C" fn srbf_material_factor(
     guard(|| {
         // SAFETY: the header's contract.
         let (material, wo, wi, out) = unsafe {
-            (self::material(material)?, read_array(wo)?, read_array(wi)?, Out::<[f32; 3]>::array(factor)?)
+            (
+                self::material(material)?,
+                read_array(wo).of(Argument::Wo)?,
+                read_array(wi).of(Argument::Wi)?,
+                Out::<[f32; 3]>::array(factor).of(Argument::Factor)?,
+            )
         };
-        out.set(material.material.factor(direction(wo)?, direction(wi)?).to_array());
+        out.set(
+            material
+                .material
+                .factor(direction(wo).of(Argument::Wo)?, direction(wi).of(Argument::Wi)?)
+                .to_array(),
+        );
         Ok(())
     })
 }
@@ -63,7 +75,9 @@ pub unsafe extern "C" fn srbf_material_view_albedo_difference(
 ) -> srbf_status {
     guard(|| {
         // SAFETY: the header's contract.
-        let (material, out) = unsafe { (self::material(material)?, Out::<[f32; 3]>::array(difference)?) };
+        let (material, out) = unsafe {
+            (self::material(material)?, Out::<[f32; 3]>::array(difference).of(Argument::Difference)?)
+        };
         out.set(material.material.view_albedo_difference(view).ok_or(SRBF_STATUS_INDEX)?);
         Ok(())
     })

@@ -1,22 +1,28 @@
 //! Fitting: from a table or a function of the caller to a material, and materials to files.
 #![allow(unsafe_code)]
 
+use crate::arguments::Argument;
 use crate::convert::direction;
-use crate::guard::{Failure, Outcome, guard};
+use crate::guard::{Failure, Named, Outcome, guard};
 use crate::heap::{own, text};
 use crate::material::material;
 use crate::material::srbf_material;
-use crate::pointers::{Out, read};
+use crate::pointers::{Out, check_apart, read};
 use crate::status::{
     SRBF_STATUS_ARGUMENT, SRBF_STATUS_FILE, SRBF_STATUS_NULL, SRBF_STATUS_OTHER, SRBF_STATUS_TABLE,
     srbf_status,
 };
 use crate::streams::{Inputs, srbf_vectors};
 use core::ffi::{c_char, c_void};
+use srbf_core::Material;
+use srbf_fit::judge::reciprocity::reciprocity;
+use srbf_fit::judge::verdict::{Spread, Summary, Verdict};
 use srbf_fit::read::Content;
 use srbf_fit::table::Brdf;
 use srbf_fit::table::{Scattered, Table};
-use srbf_fit::{FactorNodes, FitError, Settings, fit_content, in_threads, with_reasons, write_atomically};
+use srbf_fit::{
+    FactorNodes, Fit, FitError, Settings, fit_content, in_threads, with_reasons, write_atomically,
+};
 use std::boxed::Box;
 use std::path::Path;
 use std::vec::Vec;
@@ -56,6 +62,37 @@ pub struct srbf_fit_settings {
     pub has_signed_factors: u32,
 }
 
+/// Bytes of the verdict of a fit, the zero at its end among them.
+pub const SRBF_FIT_VERDICT_SIZE: usize = 4096;
+
+/// How near a fitted material is to its data: numbers, and the verdict in words. Errors are relative: 0.05 is 5 %.
+///
+/// They are of views between the fitted ones where the BRDF can be evaluated there, and else of the fitted views. NaN stands for a
+/// number that no view has: data that are black everywhere have no relative error.
+#[derive(Clone, Copy)]
+#[repr(C)]
+pub struct srbf_fit_report {
+    /// Relative L2 error of `f cos`, the median of the views.
+    pub error: f64,
+    /// The largest of the views.
+    pub worst_error: f64,
+    /// Outgoing direction of the largest: its angle from the normal, radians.
+    pub worst_error_theta: f64,
+    /// Median relative error of the luminance farther than 15 degrees from the mirror direction, the median of the views.
+    pub luminance_error: f64,
+    /// Largest relative error of an albedo.
+    pub energy_error: f64,
+    /// Largest `f cos / pdf` over its mean: how much brighter than its surroundings a dot of noise may be.
+    pub largest_weight: f64,
+    /// Seconds that the fit took.
+    pub seconds: f64,
+    /// Criteria that are off, each with a line of the verdict that begins with `off`.
+    pub faults: usize,
+    /// The verdict, UTF-8 lines with a zero at the end. The first says whether to use the material, if that could be judged. The others
+    /// begin with `good`, `fair`, `off`, or `try` for advice.
+    pub verdict: [c_char; SRBF_FIT_VERDICT_SIZE],
+}
+
 /// A BRDF of the caller: writes f (not times the cosine; linear sRGB, 1/sr) for two unit vectors with z > 0.
 ///
 /// `wi`, `wo` and `f` are [3]; `user` is the pointer of the caller. It is called from threads of the library, several at once. It
@@ -69,7 +106,7 @@ pub type srbf_brdf =
 pub unsafe extern "C" fn srbf_fit_settings_default(settings: *mut srbf_fit_settings) -> srbf_status {
     guard(|| {
         // SAFETY: the header's contract.
-        let out = unsafe { Out::new(settings)? };
+        let out = unsafe { Out::new(settings).of(Argument::Settings)? };
         let Settings { lobes, bytes, smoothness, starts, steps, exchanges, .. } = Settings::default();
         out.set(srbf_fit_settings {
             lobes,
@@ -95,7 +132,8 @@ pub unsafe extern "C" fn srbf_fit_settings_default(settings: *mut srbf_fit_setti
 /// than a few hundred a view, values between them are badly known. No surface reflects more than it receives: where the albedo of
 /// the samples of a view is above 0.95, the fit is held to 0.95, and is darker than the samples. Shapes: `wo` and `wi` n unit
 /// vectors, `wo` above the horizon; samples whose `wi` is not are left out; `f` n colours, linear sRGB, of which negative channels
-/// count as 0; `settings` one, or NULL; `material` one pointer, overwritten. Status, with the reason in `srbf_last_message`:
+/// count as 0; `settings` one, or NULL; `material` one pointer, overwritten; `report` one, overwritten, or NULL.
+/// Status, with the reason in `srbf_last_message`:
 /// `SRBF_STATUS_DIRECTION` for a vector that is no unit vector; `SRBF_STATUS_TABLE`; `SRBF_STATUS_ARGUMENT` for a setting;
 /// `SRBF_STATUS_OTHER` if the system gives no threads to fit on, or there is no memory for the samples.
 ///
@@ -110,15 +148,22 @@ pub unsafe extern "C" fn srbf_fit_table(
     wi: *const srbf_vectors,
     f: *const srbf_vectors,
     material: *mut *mut srbf_material,
+    report: *mut srbf_fit_report,
 ) -> srbf_status {
     guard(|| {
         // SAFETY: the header's contract.
-        let (settings, out) = unsafe { (self::settings(settings)?, Out::new(material)?) };
+        let (settings, out) = unsafe { (self::settings(settings)?, Places::new(material, report)?) };
         if n == 0 {
             return Err(SRBF_STATUS_TABLE.into());
         }
         // SAFETY: the header's contract.
-        let (wo, wi, f) = unsafe { (read(wo)?.streams(), read(wi)?.streams(), read(f)?.streams()) };
+        let (wo, wi, f) = unsafe {
+            (
+                read(wo).of(Argument::Wo)?.streams(),
+                read(wi).of(Argument::Wi)?.streams(),
+                read(f).of(Argument::F)?.streams(),
+            )
+        };
         let [[a, b, c], [d, e, g], [h, i, j]] = [wo, wi, f];
         // SAFETY: the header's contract.
         let batch = unsafe { Inputs::new(n, [a, b, c, d, e, g, h, i, j])? };
@@ -139,11 +184,12 @@ pub unsafe extern "C" fn srbf_fit_brdf(
     brdf: srbf_brdf,
     user: *mut c_void,
     material: *mut *mut srbf_material,
+    report: *mut srbf_fit_report,
 ) -> srbf_status {
     guard(|| {
         // SAFETY: the header's contract.
-        let (settings, out) = unsafe { (self::settings(settings)?, Out::new(material)?) };
-        let function = brdf.ok_or(SRBF_STATUS_NULL)?;
+        let (settings, out) = unsafe { (self::settings(settings)?, Places::new(material, report)?) };
+        let function = brdf.ok_or(SRBF_STATUS_NULL).of(Argument::Brdf)?;
         fit(&Content::Evaluable(Box::new(Callback { function, user })), &settings, &out)
     })
 }
@@ -161,7 +207,7 @@ pub unsafe extern "C" fn srbf_material_save(
 ) -> srbf_status {
     guard(|| {
         // SAFETY: the header's contract.
-        let (material, path) = unsafe { (self::material(material)?, text(path)?) };
+        let (material, path) = unsafe { (self::material(material)?, text(path).of(Argument::Path)?) };
         write_atomically(Path::new(path), material.material.bytes())?;
         Ok(())
     })
@@ -183,8 +229,8 @@ fn scattered(batch: &Inputs<9>) -> Result<Vec<(f64, Scattered)>, Failure> {
 }
 
 fn add(views: &mut Vec<(f64, Scattered)>, sample: [f32; 9]) -> Outcome {
-    direction([sample[0], sample[1], sample[2]])?;
-    direction([sample[3], sample[4], sample[5]])?;
+    direction([sample[0], sample[1], sample[2]]).of(Argument::Wo)?;
+    direction([sample[3], sample[4], sample[5]]).of(Argument::Wi)?;
     let [ox, oy, oz, ix, iy, iz, r, g, b] = sample.map(f64::from);
     let across = libm::hypot(ox, oy);
     let theta = libm::atan2(across, oz);
@@ -232,7 +278,7 @@ unsafe fn settings(given: *const srbf_fit_settings) -> Result<Settings, Failure>
         return Ok(Settings { provenance, ..Settings::default() });
     }
     // SAFETY: the header's contract.
-    let given = unsafe { read(given)? };
+    let given = unsafe { read(given).of(Argument::Settings)? };
     let number = |value: usize| (value != SRBF_FIT_AUTOMATIC).then_some(value);
     let factors = match given.factor_nodes {
         [SRBF_FIT_AUTOMATIC, SRBF_FIT_AUTOMATIC, SRBF_FIT_AUTOMATIC] => FactorNodes::Chosen,
@@ -257,9 +303,68 @@ unsafe fn settings(given: *const srbf_fit_settings) -> Result<Settings, Failure>
     })
 }
 
-fn fit(content: &Content, settings: &Settings, out: &Out<*mut srbf_material>) -> Outcome {
+/// Where a material and, if it is wanted, its report go.
+struct Places {
+    material: Out<*mut srbf_material>,
+    report: Option<Out<srbf_fit_report>>,
+}
+
+impl Places {
+    /// # Safety
+    /// The header's contract.
+    unsafe fn new(material: *mut *mut srbf_material, report: *mut srbf_fit_report) -> Result<Self, Failure> {
+        // SAFETY: the header's contract.
+        let material = unsafe { Out::new(material) }.of(Argument::Material)?;
+        // SAFETY: the header's contract.
+        let report =
+            (!report.is_null()).then(|| unsafe { Out::new(report) }).transpose().of(Argument::Report)?;
+        if let Some(report) = &report {
+            check_apart(&material.extent(), &report.extent()).of(Argument::Report)?;
+        }
+        Ok(Self { material, report })
+    }
+}
+
+fn fit(content: &Content, settings: &Settings, out: &Places) -> Outcome {
     let fit = in_threads(|| fit_content(content, settings, |_| ()))??;
-    own(fit.bytes, out)
+    let report = out.report.as_ref().map(|_| report(&fit)).transpose()?;
+    own(fit.bytes, &out.material)?;
+    if let Some((place, report)) = out.report.as_ref().zip(report) {
+        place.set(report);
+    }
+    Ok(())
+}
+
+/// The report of a fit in the words and numbers of the header.
+fn report(fit: &Fit) -> Result<srbf_fit_report, FitError> {
+    let reciprocity = reciprocity(&Material::from_bytes(fit.bytes.as_slice())?)?;
+    let found = Verdict::of_material(&fit.report, &reciprocity);
+    let summary = Summary::new(&fit.report);
+    let median = |spread: Option<Spread>| spread.map_or(f64::NAN, |spread| spread.median);
+    let worst = |spread: Option<Spread>| spread.map_or(f64::NAN, |spread| spread.worst);
+    let mut verdict = [0; SRBF_FIT_VERDICT_SIZE];
+    let mut len = 0;
+    for line in found.lines() {
+        // A line that has no room whole is left out; the last byte stays 0.
+        if len + line.len() + 1 >= verdict.len() {
+            break;
+        }
+        for (to, byte) in verdict[len..].iter_mut().zip(line.bytes().chain([b'\n'])) {
+            *to = byte as c_char;
+        }
+        len += line.len() + 1;
+    }
+    Ok(srbf_fit_report {
+        error: median(summary.error),
+        worst_error: worst(summary.error),
+        worst_error_theta: summary.error.map_or(f64::NAN, |spread| spread.worst_at),
+        luminance_error: median(summary.luminance),
+        energy_error: worst(summary.energy),
+        largest_weight: worst(summary.weight),
+        seconds: fit.report.seconds,
+        faults: found.off.len(),
+        verdict,
+    })
 }
 
 impl From<FitError> for Failure {

@@ -1,21 +1,26 @@
 //! The panic mechanics: a panic becomes a status and never crosses into C.
 
+use crate::arguments::Argument;
 use crate::status::{SRBF_STATUS_OK, srbf_status};
 
 /// What went wrong, before it becomes a number.
 pub(crate) type Outcome = Result<(), Failure>;
 
-/// A status with, where there is room for text, a sentence that says more.
+/// A status and the argument that it is about, with, where there is room for text, a sentence that says more.
 pub(crate) struct Failure {
-    pub status: srbf_status,
+    /// The status in the lower half, the argument above it: one constant, so that a check costs no more for the name.
+    code: i32,
     #[cfg(feature = "std")]
-    pub message: Option<std::string::String>,
+    message: Option<std::string::String>,
 }
+
+/// Digits of a status.
+const DIGITS: u32 = 16;
 
 impl From<srbf_status> for Failure {
     fn from(status: srbf_status) -> Self {
         Self {
-            status,
+            code: status,
             #[cfg(feature = "std")]
             message: None,
         }
@@ -27,7 +32,7 @@ impl Failure {
     #[cfg_attr(not(feature = "std"), allow(unused_variables))]
     pub fn new(status: srbf_status, reason: impl core::fmt::Display) -> Self {
         Self {
-            status,
+            code: status,
             #[cfg(feature = "std")]
             message: Some(std::string::ToString::to_string(&reason)),
         }
@@ -41,6 +46,34 @@ impl Failure {
             None => name.into(),
         };
         Self { message: Some(message), ..self }
+    }
+
+    #[inline(always)]
+    fn status(&self) -> srbf_status {
+        // A freestanding build has no names to take off.
+        if cfg!(feature = "std") { self.code & ((1 << DIGITS) - 1) } else { self.code }
+    }
+}
+
+/// A result that knows the argument it is about.
+pub(crate) trait Named<T> {
+    /// Names the argument of a failure. The last name stands. A freestanding build, without messages, keeps none.
+    fn of(self, argument: Argument) -> Result<T, Failure>;
+}
+
+impl<T, E: Into<Failure>> Named<T> for Result<T, E> {
+    #[inline(always)]
+    fn of(self, argument: Argument) -> Result<T, Failure> {
+        self.map_err(|error| {
+            let failure: Failure = error.into();
+            #[cfg(feature = "std")]
+            return Failure { code: failure.status() | argument.number() << DIGITS, ..failure };
+            #[cfg(not(feature = "std"))]
+            {
+                let _ = argument;
+                failure
+            }
+        })
     }
 }
 
@@ -60,8 +93,9 @@ pub(crate) fn guard(body: impl FnOnce() -> Outcome) -> srbf_status {
 #[cfg(feature = "std")]
 #[cold]
 fn report(failure: Failure) -> srbf_status {
-    crate::message::set(failure.status, failure.message.as_deref());
-    failure.status
+    let status = failure.status();
+    crate::message::set(status, Argument::name(failure.code >> DIGITS), failure.message.as_deref());
+    status
 }
 
 #[cfg(feature = "std")]
@@ -73,7 +107,7 @@ fn report_panic(payload: std::boxed::Box<dyn core::any::Any + Send>) -> srbf_sta
         .downcast_ref::<&str>()
         .copied()
         .or_else(|| payload.downcast_ref::<std::string::String>().map(std::string::String::as_str));
-    crate::message::set(SRBF_STATUS_PANIC, text);
+    crate::message::set(SRBF_STATUS_PANIC, None, text);
     // A payload may panic when it is dropped; the second one is leaked.
     if let Err(second) = catch_unwind(AssertUnwindSafe(move || drop(payload))) {
         core::mem::forget(second);
@@ -85,7 +119,7 @@ fn report_panic(payload: std::boxed::Box<dyn core::any::Any + Send>) -> srbf_sta
 #[cfg(not(feature = "std"))]
 #[inline(always)]
 pub(crate) fn guard(body: impl FnOnce() -> Outcome) -> srbf_status {
-    body().map_or_else(|failure| failure.status, |()| SRBF_STATUS_OK)
+    body().map_or_else(|failure| failure.status(), |()| SRBF_STATUS_OK)
 }
 
 /// Without an operating system there is nowhere to return to from a panic: the thread stops here for ever. WebAssembly traps.

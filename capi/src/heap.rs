@@ -1,7 +1,8 @@
 //! Materials that this library owns: copied from memory or read from a file.
 #![allow(unsafe_code)]
 
-use crate::guard::{Failure, Outcome, guard};
+use crate::arguments::Argument;
+use crate::guard::{Failure, Named, Outcome, guard};
 use crate::material::srbf_material;
 use crate::material::{Bytes, material};
 use crate::pointers::{Out, check, slice};
@@ -30,7 +31,9 @@ pub unsafe extern "C" fn srbf_material_from_bytes(
 ) -> srbf_status {
     guard(|| {
         // SAFETY: the header's contract.
-        let (bytes, out) = unsafe { (slice(bytes, byte_count)?, Out::new(material)?) };
+        let (bytes, out) = unsafe {
+            (slice(bytes, byte_count).of(Argument::Bytes)?, Out::new(material).of(Argument::Material)?)
+        };
         // Before a copy is made, which may have any number of bytes: a head alone is refused by the length that it announces.
         match Material::from_bytes(&bytes[..byte_count.min(HEAD)]) {
             Err(FormatError::Length { expected, .. }) if expected == byte_count => {}
@@ -56,7 +59,8 @@ pub unsafe extern "C" fn srbf_material_load(
 ) -> srbf_status {
     guard(|| {
         // SAFETY: the header's contract.
-        let (path, out) = unsafe { (text(path)?, Out::new(material)?) };
+        let (path, out) =
+            unsafe { (text(path).of(Argument::Path)?, Out::new(material).of(Argument::Material)?) };
         let read = || own(read_file(Path::new(path))?, &out);
         read().map_err(|failure: Failure| failure.about(path))
     })

@@ -1,8 +1,9 @@
 //! One hit on a material, without a mixture.
 #![allow(unsafe_code)]
 
+use crate::arguments::Argument;
 use crate::convert::{direction, uniform};
-use crate::guard::guard;
+use crate::guard::{Named, guard};
 use crate::material::{material, srbf_material};
 use crate::pointers::{Out, read_array};
 use crate::single::{drawn, srbf_sample};
@@ -24,8 +25,14 @@ pub unsafe extern "C" fn srbf_material_evaluate(
         // SAFETY: the header's contract.
         let object = unsafe { self::material(material)? };
         // SAFETY: the header's contract.
-        let (wo, wi, out) = unsafe { (read_array(wo)?, read_array(wi)?, Out::<[f32; 3]>::array(value)?) };
-        let (wo, wi) = (direction(wo)?, direction(wi)?);
+        let (wo, wi, out) = unsafe {
+            (
+                read_array(wo).of(Argument::Wo)?,
+                read_array(wi).of(Argument::Wi)?,
+                Out::<[f32; 3]>::array(value).of(Argument::Value)?,
+            )
+        };
+        let (wo, wi) = (direction(wo).of(Argument::Wo)?, direction(wi).of(Argument::Wi)?);
         out.set(object.material.evaluate(wo, wi).to_array());
         Ok(())
     })
@@ -45,8 +52,14 @@ pub unsafe extern "C" fn srbf_material_pdf(
         // SAFETY: the header's contract.
         let object = unsafe { self::material(material)? };
         // SAFETY: the header's contract.
-        let (wo, wi, out) = unsafe { (read_array(wo)?, read_array(wi)?, Out::new(pdf)?) };
-        let (wo, wi) = (direction(wo)?, direction(wi)?);
+        let (wo, wi, out) = unsafe {
+            (
+                read_array(wo).of(Argument::Wo)?,
+                read_array(wi).of(Argument::Wi)?,
+                Out::new(pdf).of(Argument::Pdf)?,
+            )
+        };
+        let (wo, wi) = (direction(wo).of(Argument::Wo)?, direction(wi).of(Argument::Wi)?);
         out.set(object.material.pdf(wo, wi));
         Ok(())
     })
@@ -67,10 +80,13 @@ pub unsafe extern "C" fn srbf_material_evaluate_and_pdf(
         // SAFETY: the header's contract.
         let object = unsafe { self::material(material)? };
         // SAFETY: the header's contract.
-        let (wo, wi) = unsafe { (read_array(wo)?, read_array(wi)?) };
+        let (wo, wi) = unsafe { (read_array(wo).of(Argument::Wo)?, read_array(wi).of(Argument::Wi)?) };
         // SAFETY: the header's contract.
-        let (value_out, pdf_out) = unsafe { (Out::<[f32; 3]>::array(value)?, Out::new(pdf)?) };
-        let (value, pdf) = object.material.evaluate_and_pdf(direction(wo)?, direction(wi)?);
+        let (value_out, pdf_out) =
+            unsafe { (Out::<[f32; 3]>::array(value).of(Argument::Value)?, Out::new(pdf).of(Argument::Pdf)?) };
+        let (value, pdf) = object
+            .material
+            .evaluate_and_pdf(direction(wo).of(Argument::Wo)?, direction(wi).of(Argument::Wi)?);
         value_out.set(value.to_array());
         pdf_out.set(pdf);
         Ok(())
@@ -92,8 +108,14 @@ pub unsafe extern "C" fn srbf_material_sample(
         // SAFETY: the header's contract.
         let object = unsafe { self::material(material)? };
         // SAFETY: the header's contract.
-        let (wo, u, out) = unsafe { (read_array(wo)?, read_array(u)?, Out::new(sample)?) };
-        let (wo, u) = (direction(wo)?, uniform(u)?);
+        let (wo, u, out) = unsafe {
+            (
+                read_array(wo).of(Argument::Wo)?,
+                read_array(u).of(Argument::U)?,
+                Out::new(sample).of(Argument::Sample)?,
+            )
+        };
+        let (wo, u) = (direction(wo).of(Argument::Wo)?, uniform(u).of(Argument::U)?);
         out.set(drawn(object.material.sample(wo, u)));
         Ok(())
     })
@@ -116,11 +138,23 @@ pub unsafe extern "C" fn srbf_material_sample_and_evaluate(
         // SAFETY: the header's contract.
         let object = unsafe { self::material(material)? };
         // SAFETY: the header's contract.
-        let (wo, u, wi) = unsafe { (read_array(wo)?, read_array(u)?, read_array(wi)?) };
+        let (wo, u, wi) = unsafe {
+            (
+                read_array(wo).of(Argument::Wo)?,
+                read_array(u).of(Argument::U)?,
+                read_array(wi).of(Argument::Wi)?,
+            )
+        };
         // SAFETY: the header's contract.
-        let (sample_out, value_out, pdf_out) =
-            unsafe { (Out::new(sample)?, Out::<[f32; 3]>::array(value)?, Out::new(pdf)?) };
-        let (wo, u, wi) = (direction(wo)?, uniform(u)?, direction(wi)?);
+        let (sample_out, value_out, pdf_out) = unsafe {
+            (
+                Out::new(sample).of(Argument::Sample)?,
+                Out::<[f32; 3]>::array(value).of(Argument::Value)?,
+                Out::new(pdf).of(Argument::Pdf)?,
+            )
+        };
+        let (wo, u, wi) =
+            (direction(wo).of(Argument::Wo)?, uniform(u).of(Argument::U)?, direction(wi).of(Argument::Wi)?);
         let (sample, (value, pdf)) = object.material.sample_and_evaluate(wo, u, wi);
         sample_out.set(drawn(sample));
         value_out.set(value.to_array());

@@ -3,6 +3,7 @@
 use crate::environment::{
     srbf_environment_info, srbf_light_sample, srbf_product_sample, srbf_product_sampling,
 };
+use crate::light::{srbf_light_rows, srbf_light_source};
 use crate::lobe::srbf_lobe;
 use crate::material::{srbf_material_info, srbf_plane_lobe, srbf_view};
 use crate::mixture::srbf_mixture_info;
@@ -37,9 +38,16 @@ const _: () = {
     assert!(offset_of!(srbf_product_sampling, candidates) == 0);
     assert!(offset_of!(srbf_product_sampling, lobe_share) == 4);
     assert!(offset_of!(srbf_product_sampling, kappa) == 8);
-    assert!(size_of::<srbf_product_sample>() == 24);
+    assert!(size_of::<srbf_product_sample>() == 36);
     assert!(offset_of!(srbf_product_sample, direction) == 0);
     assert!(offset_of!(srbf_product_sample, weight) == 12);
+    assert!(offset_of!(srbf_product_sample, factor) == 24);
+    assert!(size_of::<srbf_light_rows>() == 448);
+    assert!(offset_of!(srbf_light_rows, radiance) == 192);
+    assert!(offset_of!(srbf_light_rows, pdf) == 384);
+    assert!(size_of::<srbf_light_source>() == 3 * P);
+    assert!(offset_of!(srbf_light_source, sample) == P);
+    assert!(offset_of!(srbf_light_source, evaluate) == 2 * P);
     assert!(size_of::<srbf_view>() == 20);
     assert!(offset_of!(srbf_view, theta) == 0);
     assert!(offset_of!(srbf_view, log2_squeeze) == 4);

@@ -12,8 +12,10 @@
 #[cfg(feature = "std")]
 extern crate std;
 
+mod arguments;
 mod arrays;
 mod ask;
+mod blend;
 mod convert;
 mod defensive;
 mod environment;
@@ -26,6 +28,7 @@ mod guard;
 mod heap;
 mod hit;
 mod layout;
+mod light;
 mod lobe;
 mod material;
 #[cfg(feature = "std")]
@@ -48,6 +51,7 @@ mod streams;
 mod version;
 
 pub use ask::*;
+pub use blend::*;
 pub use defensive::*;
 pub use environment::*;
 pub use expanded::*;
@@ -57,6 +61,7 @@ pub use fit::*;
 #[cfg(feature = "std")]
 pub use heap::{srbf_material_free, srbf_material_from_bytes, srbf_material_load};
 pub use hit::*;
+pub use light::*;
 pub use lobe::*;
 pub use material::*;
 #[cfg(feature = "std")]

@@ -1,8 +1,9 @@
 //! Materials: borrowed in the caller's storage, queried, prepared for an outgoing direction.
 #![allow(unsafe_code)]
 
+use crate::arguments::Argument;
 use crate::convert::direction;
-use crate::guard::{Failure, Outcome, guard};
+use crate::guard::{Failure, Named, Outcome, guard};
 use crate::pointers::{
     Out, bytes_of, check, check_apart, check_extent, put_in_storage, read, read_array, slice,
 };
@@ -92,11 +93,11 @@ impl srbf_material {
 /// The header's contract: a pointer that is not NULL points to a material.
 #[inline(always)]
 pub(crate) unsafe fn material<'a>(material: *const srbf_material) -> Result<&'a srbf_material, Failure> {
-    check(material)?;
+    check(material).of(Argument::Material)?;
     // SAFETY: not NULL and aligned; readable by the contract. The tag is looked at through the pointer, before there is a
     // reference to a whole that may not be one.
     if unsafe { (&raw const (*material).tag).read() } != TAG {
-        return Err(SRBF_STATUS_OBJECT.into());
+        return Err(SRBF_STATUS_OBJECT).of(Argument::Material);
     }
     // SAFETY: the tag says that this library wrote a material here; it never changes.
     Ok(unsafe { &*material })
@@ -182,7 +183,9 @@ pub unsafe extern "C" fn srbf_material_borrow(
 ) -> srbf_status {
     guard(|| {
         // SAFETY: the header's contract.
-        let (bytes, out) = unsafe { (slice(bytes, byte_count)?, Out::new(material)?) };
+        let (bytes, out) = unsafe {
+            (slice(bytes, byte_count).of(Argument::Bytes)?, Out::new(material).of(Argument::Material)?)
+        };
         let room = [SRBF_MATERIAL_SIZE, SRBF_MATERIAL_ALIGNMENT];
         // SAFETY: the header's contract: the storage is writable.
         unsafe {
@@ -201,7 +204,8 @@ pub unsafe extern "C" fn srbf_material_query(
 ) -> srbf_status {
     guard(|| {
         // SAFETY: the header's contract.
-        let (material, out) = unsafe { (&self::material(material)?.material, Out::new(info)?) };
+        let (material, out) =
+            unsafe { (&self::material(material)?.material, Out::new(info).of(Argument::Info)?) };
         let (bytes, provenance) = (material.bytes(), material.provenance());
         out.set(srbf_material_info {
             views: material.view_count(),
@@ -230,7 +234,8 @@ pub unsafe extern "C" fn srbf_material_view(
 ) -> srbf_status {
     guard(|| {
         // SAFETY: the header's contract.
-        let (material, out) = unsafe { (&self::material(material)?.material, Out::new(out)?) };
+        let (material, out) =
+            unsafe { (&self::material(material)?.material, Out::new(out).of(Argument::Out)?) };
         let theta = material.view_theta(view).ok_or(SRBF_STATUS_INDEX)?;
         let log2_squeeze = material.view_log2_squeeze(view).ok_or(SRBF_STATUS_INDEX)?;
         let log2_diffuse = material.view_log2_diffuse(view).ok_or(SRBF_STATUS_INDEX)?;
@@ -251,7 +256,8 @@ pub unsafe extern "C" fn srbf_material_view_lobe(
 ) -> srbf_status {
     guard(|| {
         // SAFETY: the header's contract.
-        let (material, out) = unsafe { (&self::material(material)?.material, Out::new(lobe)?) };
+        let (material, out) =
+            unsafe { (&self::material(material)?.material, Out::new(lobe).of(Argument::Lobe)?) };
         let PlaneLobe { angle, off_plane, log2_sharpness, log2_luminance, color_differences } =
             material.view_lobe(view, index).ok_or(SRBF_STATUS_INDEX)?;
         out.set(srbf_plane_lobe { angle, off_plane, log2_sharpness, log2_luminance, color_differences });
@@ -270,10 +276,15 @@ pub unsafe extern "C" fn srbf_material_albedo(
 ) -> srbf_status {
     guard(|| {
         // SAFETY: the header's contract.
-        let (material, wo, out) =
-            unsafe { (self::material(material)?, read_array(wo)?, Out::<[f32; 3]>::array(albedo)?) };
+        let (material, wo, out) = unsafe {
+            (
+                self::material(material)?,
+                read_array(wo).of(Argument::Wo)?,
+                Out::<[f32; 3]>::array(albedo).of(Argument::Albedo)?,
+            )
+        };
         let mut mixture = Mixture::<64>::empty();
-        material.material.prepare(direction(wo)?, &mut mixture)?;
+        material.material.prepare(direction(wo).of(Argument::Wo)?, &mut mixture)?;
         out.set(mixture.albedo().to_array());
         Ok(())
     })
@@ -295,8 +306,8 @@ pub unsafe extern "C" fn srbf_material_prepare(
     guard(|| {
         // SAFETY: the header's contract.
         let (material, wo, mixture) =
-            unsafe { (self::material(material)?, read_array(wo)?, mixture_mut(mixture)?) };
-        prepare(&material.material, direction(wo)?, PrepareOptions::default(), mixture)
+            unsafe { (self::material(material)?, read_array(wo).of(Argument::Wo)?, mixture_mut(mixture)?) };
+        prepare(&material.material, direction(wo).of(Argument::Wo)?, PrepareOptions::default(), mixture)
     })
 }
 
@@ -318,9 +329,9 @@ pub unsafe extern "C" fn srbf_material_prepare_leaving_out(
     guard(|| {
         // SAFETY: the header's contract.
         let (material, wo, mixture) =
-            unsafe { (self::material(material)?, read_array(wo)?, mixture_mut(mixture)?) };
+            unsafe { (self::material(material)?, read_array(wo).of(Argument::Wo)?, mixture_mut(mixture)?) };
         let leave_out = LeaveOut::new(lobes, folds)?;
-        prepare(&material.material, direction(wo)?, leave_out.into(), mixture)
+        prepare(&material.material, direction(wo).of(Argument::Wo)?, leave_out.into(), mixture)
     })
 }
 
@@ -358,7 +369,7 @@ pub unsafe extern "C" fn srbf_material_prepare_into(
             return Ok(());
         }
         // SAFETY: the header's contract.
-        let wo = unsafe { read(wo)? };
+        let wo = unsafe { read(wo).of(Argument::Wo)? };
         let storage = storage.cast::<u8>();
         crate::storage::check_storage(storage)?;
         check_extent(storage.addr(), n, stride)?;

@@ -12,9 +12,9 @@ std::thread_local! {
     static LAST: RefCell<CString> = RefCell::default();
 }
 
-/// Keeps the text of the status and the reason, if there is one, for this thread. A reason that repeats the text of the status
-/// stands alone.
-pub(crate) fn set(status: srbf_status, reason: Option<&str>) {
+/// Keeps the argument, the text of the status and the reason, those that there are, for this thread. A reason that repeats the text
+/// of the status stands alone.
+pub(crate) fn set(status: srbf_status, argument: Option<&str>, reason: Option<&str>) {
     let text = srbf_status_text(status);
     // SAFETY: srbf_status_text returns a constant that ends in a zero byte.
     let text = unsafe { CStr::from_ptr(text) }.to_string_lossy();
@@ -22,6 +22,10 @@ pub(crate) fn set(status: srbf_status, reason: Option<&str>) {
         Some(reason) if reason.contains(&*text) => reason.into(),
         Some(reason) => std::format!("{text}: {reason}"),
         None => text.into_owned(),
+    };
+    let line = match argument {
+        Some(argument) => std::format!("{argument}: {line}"),
+        None => line,
     };
     let line = printable(&line).to_string();
     // At the end of a thread its message may be gone already: then there is none to keep.

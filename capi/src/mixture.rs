@@ -1,7 +1,8 @@
 //! Mixtures: made in the caller's storage, of lobes or by a material, and queried.
 #![allow(unsafe_code)]
 
-use crate::guard::guard;
+use crate::arguments::Argument;
+use crate::guard::{Named, guard};
 use crate::lobe::srbf_lobe;
 use crate::pointers::{Out, check_apart, read_array, slice};
 use crate::status::{SRBF_STATUS_ARGUMENT, SRBF_STATUS_INDEX, srbf_status};
@@ -58,7 +59,7 @@ pub unsafe extern "C" fn srbf_mixture_init(
 ) -> srbf_status {
     guard(|| {
         // SAFETY: the header's contract.
-        let out = unsafe { Out::new(mixture)? };
+        let out = unsafe { Out::new(mixture).of(Argument::Mixture)? };
         check_storage(storage.cast())?;
         let start = storage.addr();
         check_apart(&out.extent(), &(start..start.saturating_add(storage_size.min(SRBF_MIXTURE_SIZE_64))))?;
@@ -98,14 +99,19 @@ pub unsafe extern "C" fn srbf_mixture_from_lobes(
             return Err(SRBF_STATUS_ARGUMENT.into());
         }
         // SAFETY: the header's contract.
-        let given = unsafe { slice(lobes, lobe_count)? };
+        let given = unsafe { slice(lobes, lobe_count).of(Argument::Lobes)? };
         let mut lobes = [Lobe::new(Vec3::Z, 0.0, Vec3::ZERO)?; MAX_LOBES];
         for (lobe, given) in lobes.iter_mut().zip(given) {
             *lobe = given.to_core()?;
         }
         let (squeezed, round) = lobes[..lobe_count].split_at(squeezed_lobes);
         // SAFETY: the header's contract.
-        let diffuse = if diffuse.is_null() { None } else { Some(unsafe { read_array(diffuse)? }) };
+        let diffuse = if diffuse.is_null() {
+            None
+        } else {
+            // SAFETY: the header's contract.
+            Some(unsafe { read_array(diffuse).of(Argument::Diffuse)? })
+        };
         check_room(lobe_count, mixture.capacity())?;
         let mut made = Mixture::<MAX_LOBES>::new(domain, squeeze, squeezed, round)?;
         if let Some(albedo) = diffuse {
@@ -124,7 +130,7 @@ pub unsafe extern "C" fn srbf_mixture_query(
 ) -> srbf_status {
     guard(|| {
         // SAFETY: the header's contract.
-        let (mixture, out) = unsafe { (self::mixture(mixture)?, Out::new(info)?) };
+        let (mixture, out) = unsafe { (self::mixture(mixture)?, Out::new(info).of(Argument::Info)?) };
         out.set(describe(mixture));
         Ok(())
     })
@@ -156,7 +162,7 @@ pub unsafe extern "C" fn srbf_mixture_lobe(
 ) -> srbf_status {
     guard(|| {
         // SAFETY: the header's contract.
-        let (mixture, out) = unsafe { (self::mixture(mixture)?, Out::new(lobe)?) };
+        let (mixture, out) = unsafe { (self::mixture(mixture)?, Out::new(lobe).of(Argument::Lobe)?) };
         out.set(srbf_lobe::from_core(mixture.lobe(index).ok_or(SRBF_STATUS_INDEX)?));
         Ok(())
     })

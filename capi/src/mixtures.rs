@@ -1,7 +1,8 @@
 //! Mixtures that lie one behind the other in the caller's storage.
 #![allow(unsafe_code)]
 
-use crate::guard::{Failure, Outcome};
+use crate::arguments::Argument;
+use crate::guard::{Failure, Named, Outcome};
 use crate::pointers::check_extent;
 use crate::status::SRBF_STATUS_STRIDE;
 use crate::storage::{SRBF_MIXTURE_ALIGNMENT, SRBF_MIXTURE_SIZE_16, srbf_mixture};
@@ -22,9 +23,9 @@ impl Mixtures {
     /// The header's contract: there is a mixture at every multiple of the stride; `count` is not 0.
     pub unsafe fn new(start: *const srbf_mixture, count: usize, stride: usize) -> Result<Self, Failure> {
         let start = start.cast::<u8>();
-        check_storage(start.cast_mut())?;
+        check_storage(start.cast_mut()).of(Argument::Mixtures)?;
         if stride < SRBF_MIXTURE_SIZE_16 || !stride.is_multiple_of(SRBF_MIXTURE_ALIGNMENT) {
-            return Err(SRBF_STATUS_STRIDE.into());
+            return Err(SRBF_STATUS_STRIDE).of(Argument::Mixtures);
         }
         check_extent(start.addr(), count, stride)?;
         let mut made = Self { start, stride, extent: start.addr()..start.addr() + count * stride };
@@ -50,7 +51,7 @@ impl Mixtures {
     #[inline(always)]
     unsafe fn get<'a>(&self, index: usize) -> Result<&'a AnyMixture<'static>, Failure> {
         // SAFETY: within the extent that `new` has checked; the rest is the caller's word.
-        unsafe { mixture(self.at(index)) }
+        unsafe { mixture(self.at(index)) }.of(Argument::Mixtures)
     }
 
     /// Calls with the mixtures of some hits, and with their places among these hits.

@@ -1,7 +1,8 @@
 //! Products of mixtures, and their integrals: of plain lobes only.
 #![allow(unsafe_code)]
 
-use crate::guard::guard;
+use crate::arguments::Argument;
+use crate::guard::{Named, guard};
 use crate::lobe::srbf_lobe;
 use crate::pointers::{Out, check, check_apart, check_extent};
 use crate::status::{SRBF_STATUS_SIZE, srbf_status};
@@ -22,7 +23,13 @@ pub unsafe extern "C" fn srbf_mixture_inner_product(
 ) -> srbf_status {
     guard(|| {
         // SAFETY: the header's contract.
-        let (a, b, out) = unsafe { (mixture(a)?, mixture(b)?, Out::<[f32; 3]>::array(integral)?) };
+        let (a, b, out) = unsafe {
+            (
+                mixture(a).of(Argument::A)?,
+                mixture(b).of(Argument::B)?,
+                Out::<[f32; 3]>::array(integral).of(Argument::Integral)?,
+            )
+        };
         let sum = a.inner_product(b)?;
         out.set(sum.to_array());
         Ok(())
@@ -47,7 +54,9 @@ pub unsafe extern "C" fn srbf_mixture_product(
 ) -> srbf_status {
     guard(|| {
         // SAFETY: the header's contract.
-        let (first, second, out) = unsafe { (mixture(a)?, mixture(b)?, Out::new(count)?) };
+        let (first, second, out) = unsafe {
+            (mixture(a).of(Argument::A)?, mixture(b).of(Argument::B)?, Out::new(count).of(Argument::Count)?)
+        };
         let needed = first.product_len(second);
         if capacity < needed {
             out.set(needed);
@@ -56,7 +65,7 @@ pub unsafe extern "C" fn srbf_mixture_product(
         let room: &mut [Lobe] = if needed == 0 {
             &mut []
         } else {
-            check(lobes)?;
+            check(lobes).of(Argument::Lobes)?;
             check_extent(lobes.addr(), needed, size_of::<srbf_lobe>())?;
             let written = lobes.addr()..lobes.addr() + needed * size_of::<srbf_lobe>();
             for object in [extent(a, first), extent(b, second)] {

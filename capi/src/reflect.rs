@@ -1,16 +1,17 @@
 //! Light and material together by even sums, which two rays correct.
 #![allow(unsafe_code)]
 
+use crate::arguments::Argument;
 use crate::convert::{direction, uniform};
-use crate::environment::{axes, object};
-use crate::guard::guard;
+use crate::environment::{Map, axes, object};
+use crate::guard::{Named, Outcome, guard};
 use crate::pointers::{Out, read, read_array, slice};
 use crate::storage::mixture;
 use crate::{
     SRBF_STATUS_ARGUMENT, SRBF_STATUS_UNIFORM, srbf_environment, srbf_mixture, srbf_sample, srbf_status,
 };
 use core::mem::offset_of;
-use srbf_core::{LIGHT_BLOCK, LightBlock, MAX_REFLECT_RAYS, Reflection, Sample, Vec3};
+use srbf_core::{LIGHT_BLOCK, LightBlock, LightSource, MAX_REFLECT_RAYS, Reflection, Sample, Vec3};
 
 /// Samples of the light in a block.
 pub const SRBF_LIGHT_BLOCK: usize = 16;
@@ -53,6 +54,10 @@ pub struct srbf_reflection {
     pub ray_light: [f32; 3],
     /// Likewise towards the shadow ray.
     pub shadow_light: [f32; 3],
+    /// What radiance along the ray is multiplied by to be `ray_light`; sr.
+    pub ray_factor: f32,
+    /// Likewise of the shadow ray.
+    pub shadow_factor: f32,
     /// `f cos` of the mixture towards the ray; 1/sr.
     pub ray_value: [f32; 3],
     /// Likewise towards the shadow ray.
@@ -72,6 +77,8 @@ impl srbf_reflection {
             shadow: r.shadow.unwrap_or(Vec3::ZERO).to_array(),
             ray_light: r.ray_light.to_array(),
             shadow_light: r.shadow_light.to_array(),
+            ray_factor: r.ray_factor,
+            shadow_factor: r.shadow_factor,
             ray_value: r.ray_value.to_array(),
             shadow_value: r.shadow_value.to_array(),
             block_sum: r.block_sum.to_array(),
@@ -79,7 +86,7 @@ impl srbf_reflection {
         }
     }
 
-    fn to_core(self) -> Reflection {
+    pub(crate) fn to_core(self) -> Reflection {
         let v = Vec3::from_array;
         let srbf_sample { direction, pdf, weight } = self.ray;
         Reflection {
@@ -87,6 +94,8 @@ impl srbf_reflection {
             shadow: (self.shadow != [0.0; 3]).then(|| v(self.shadow)),
             ray_light: v(self.ray_light),
             shadow_light: v(self.shadow_light),
+            ray_factor: self.ray_factor,
+            shadow_factor: self.shadow_factor,
             shadow_value: v(self.shadow_value),
             ray_value: v(self.ray_value),
             block_sum: v(self.block_sum),
@@ -107,15 +116,28 @@ pub unsafe extern "C" fn srbf_light_block_draw(
 ) -> srbf_status {
     guard(|| {
         // SAFETY: the header's contract.
-        let (object, u, out) = unsafe { (object(environment)?, read_array::<48>(u)?, Out::new(block)?) };
-        if !u.iter().all(|u| (0.0..1.0).contains(u)) {
-            return Err(SRBF_STATUS_UNIFORM.into());
-        }
-        let row = |k: usize| core::array::from_fn(|i| u[16 * k + i]);
-        let drawn = LightBlock::new(&object.environment, [&row(0), &row(1), &row(2)]);
-        out.set(srbf_light_block { direction: drawn.direction, light: drawn.light, pdf: drawn.pdf });
-        Ok(())
+        unsafe { draw_block(&Map(object(environment)?), u, block) }
     })
+}
+
+/// Draws a block of a light.
+///
+/// # Safety
+/// The header's contract of [`srbf_light_block_draw`].
+pub(crate) unsafe fn draw_block(
+    light: &dyn LightSource,
+    u: *const f32,
+    block: *mut srbf_light_block,
+) -> Outcome {
+    // SAFETY: the header's contract.
+    let (u, out) = unsafe { (read_array::<48>(u).of(Argument::U)?, Out::new(block).of(Argument::Block)?) };
+    if !u.iter().all(|u| (0.0..1.0).contains(u)) {
+        return Err(SRBF_STATUS_UNIFORM.into());
+    }
+    let row = |k: usize| core::array::from_fn(|i| u[16 * k + i]);
+    let drawn = LightBlock::new(&light, [&row(0), &row(1), &row(2)]);
+    out.set(srbf_light_block { direction: drawn.direction, light: drawn.light, pdf: drawn.pdf });
+    Ok(())
 }
 
 /// Draws the ray that a path goes on along, and a shadow ray, for the light of an environment: where nothing is in the way the
@@ -143,29 +165,57 @@ pub unsafe extern "C" fn srbf_mixture_reflect(
 ) -> srbf_status {
     guard(|| {
         // SAFETY: the header's contract.
-        let (mixture, object, block, frame, flat, out) = unsafe {
-            let (mixture, object) = (self::mixture(mixture)?, object(environment)?);
-            (mixture, object, read(block)?, read_array::<9>(frame)?, read_array(flat)?, Out::new(reflection)?)
-        };
-        if count == 0 || count > MAX_REFLECT_RAYS {
-            return Err(SRBF_STATUS_ARGUMENT.into());
+        unsafe {
+            let light = Map(object(environment)?);
+            reflect(mixture, &light, block, frame, flat, count, u, choice, reflection)
         }
-        let (frame, flat) = (axes(frame)?, direction(flat)?);
-        let [choice] = uniform([choice])?;
-        // SAFETY: the header's contract.
-        let u = unsafe { slice(u, 3 * count)? };
-        if !u.iter().all(|u| (0.0..1.0).contains(u)) {
-            return Err(SRBF_STATUS_UNIFORM.into());
-        }
-        let (first, rest) = u.split_at(count);
-        let (second, third) = rest.split_at(count);
-        // Copied, as a block may lie anywhere.
-        let block = LightBlock { direction: block.direction, light: block.light, pdf: block.pdf };
-        let drawn =
-            { mixture.reflect(&object.environment, &block, &frame, flat, [first, second, third], choice) }?;
-        out.set(srbf_reflection::from_core(&drawn));
-        Ok(())
     })
+}
+
+/// Draws the two rays, and sums.
+///
+/// # Safety
+/// The header's contract of [`srbf_mixture_reflect`].
+#[allow(clippy::too_many_arguments)] // those of the exported function
+pub(crate) unsafe fn reflect(
+    mixture: *const srbf_mixture,
+    light: &dyn LightSource,
+    block: *const srbf_light_block,
+    frame: *const f32,
+    flat: *const f32,
+    count: usize,
+    u: *const f32,
+    choice: f32,
+    reflection: *mut srbf_reflection,
+) -> Outcome {
+    // SAFETY: the header's contract.
+    let (mixture, block, frame, flat, out) = unsafe {
+        let (mixture, frame) = (self::mixture(mixture)?, read_array::<9>(frame).of(Argument::Frame)?);
+        (
+            mixture,
+            read(block).of(Argument::Block)?,
+            frame,
+            read_array(flat).of(Argument::Flat)?,
+            Out::new(reflection).of(Argument::Reflection)?,
+        )
+    };
+    if count == 0 || count > MAX_REFLECT_RAYS {
+        return Err(SRBF_STATUS_ARGUMENT.into());
+    }
+    let (frame, flat) = (axes(frame)?, direction(flat).of(Argument::Flat)?);
+    let [choice] = uniform([choice]).of(Argument::Choice)?;
+    // SAFETY: the header's contract.
+    let u = unsafe { slice(u, 3 * count).of(Argument::U)? };
+    if !u.iter().all(|u| (0.0..1.0).contains(u)) {
+        return Err(SRBF_STATUS_UNIFORM.into());
+    }
+    let (first, rest) = u.split_at(count);
+    let (second, third) = rest.split_at(count);
+    // Copied, as a block may lie anywhere.
+    let block = LightBlock { direction: block.direction, light: block.light, pdf: block.pdf };
+    let drawn = mixture.reflect(&light, &block, &frame, flat, [first, second, third], choice)?;
+    out.set(srbf_reflection::from_core(&drawn));
+    Ok(())
 }
 
 /// The light that is reflected to the viewer, direct light by both rays: whether the path's own ray escapes to the environment, and
@@ -184,14 +234,16 @@ pub unsafe extern "C" fn srbf_reflection_light(
 ) -> srbf_status {
     guard(|| {
         // SAFETY: the header's contract.
-        let (reflection, out) = unsafe { (read(reflection)?, Out::<[f32; 3]>::array(light)?) };
+        let (reflection, out) = unsafe {
+            (read(reflection).of(Argument::Reflection)?, Out::<[f32; 3]>::array(light).of(Argument::Light)?)
+        };
         let r = reflection.to_core();
         let (ray_escapes, shadow_is_clear) = (ray_escapes != 0, shadow_is_clear != 0);
         let found = if values.is_null() {
             r.light(ray_escapes, shadow_is_clear)
         } else {
             // SAFETY: the header's contract.
-            let [a, b, c, d, e, f] = unsafe { read_array::<6>(values)? };
+            let [a, b, c, d, e, f] = unsafe { read_array::<6>(values).of(Argument::Values)? };
             r.light_of(ray_escapes, shadow_is_clear, Vec3::new(a, b, c), Vec3::new(d, e, f))
         };
         out.set(found.to_array());

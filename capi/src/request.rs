@@ -1,7 +1,8 @@
 //! The request of the C interface: outputs that are given are wanted.
 #![allow(unsafe_code)]
 
-use crate::guard::Failure;
+use crate::arguments::Argument;
+use crate::guard::{Failure, Named};
 use crate::material::{material, srbf_material};
 use crate::pointers::{check, check_extent};
 use crate::status::SRBF_STATUS_STRIDE;
@@ -57,12 +58,12 @@ pub struct srbf_materials {
 impl srbf_materials {
     /// Checks where the pointers are; their bytes.
     pub(crate) fn check(&self, count: usize) -> Result<Range<usize>, Failure> {
-        check(self.first)?;
+        check(self.first).of(Argument::Materials)?;
         let size = size_of::<*const srbf_material>();
         if self.stride < size || !self.stride.is_multiple_of(align_of::<*const srbf_material>()) {
-            return Err(SRBF_STATUS_STRIDE.into());
+            return Err(SRBF_STATUS_STRIDE).of(Argument::Materials);
         }
-        check_extent(self.first.addr(), count, self.stride)?;
+        check_extent(self.first.addr(), count, self.stride).of(Argument::Materials)?;
         let start = self.first.addr();
         Ok(start..start + (count - 1) * self.stride + size)
     }
@@ -72,6 +73,6 @@ impl srbf_materials {
     #[inline(always)]
     pub(crate) unsafe fn get<'a>(&self, index: usize) -> Result<&'a srbf_material, Failure> {
         // SAFETY: the caller's word.
-        unsafe { material(self.first.byte_add(index * self.stride).read()) }
+        unsafe { material(self.first.byte_add(index * self.stride).read()) }.of(Argument::Materials)
     }
 }

@@ -1,9 +1,10 @@
 //! Sheets: thin surfaces that reflect light and let some through, of up to four materials.
 #![allow(unsafe_code)]
 
+use crate::arguments::Argument;
 use crate::arrays::Arrays;
 use crate::convert::{direction, uniform};
-use crate::guard::{Failure, guard};
+use crate::guard::{Failure, Named, guard};
 use crate::material::Bytes;
 use crate::pointers::{Out, bytes_of, check, put_in_storage, read_array, slice};
 use crate::request::srbf_request;
@@ -59,11 +60,11 @@ impl srbf_sheet {
 /// The header's contract: a pointer that is not NULL points to a sheet.
 #[inline(always)]
 unsafe fn sheet<'a>(sheet: *const srbf_sheet) -> Result<&'a srbf_sheet, Failure> {
-    check(sheet)?;
+    check(sheet).of(Argument::Sheet)?;
     // SAFETY: not NULL and aligned; readable by the contract. The tag is looked at through the pointer, before there is a
     // reference to a whole that may not be one.
     if unsafe { (&raw const (*sheet).tag).read() } != TAG {
-        return Err(SRBF_STATUS_OBJECT.into());
+        return Err(SRBF_STATUS_OBJECT).of(Argument::Sheet);
     }
     // SAFETY: the tag says that this library wrote a sheet here; it never changes.
     Ok(unsafe { &*sheet })
@@ -111,7 +112,8 @@ pub unsafe extern "C" fn srbf_sheet_borrow(
 ) -> srbf_status {
     guard(|| {
         // SAFETY: the header's contract.
-        let (bytes, out) = unsafe { (slice(bytes, byte_count)?, Out::new(sheet)?) };
+        let (bytes, out) =
+            unsafe { (slice(bytes, byte_count).of(Argument::Bytes)?, Out::new(sheet).of(Argument::Sheet)?) };
         let room = [SRBF_SHEET_SIZE, SRBF_SHEET_ALIGNMENT];
         // SAFETY: the header's contract: the storage is writable.
         unsafe {
@@ -131,7 +133,8 @@ pub unsafe extern "C" fn srbf_sheet_borrow(
 pub unsafe extern "C" fn srbf_sheet_load(path: *const c_char, sheet: *mut *mut srbf_sheet) -> srbf_status {
     guard(|| {
         // SAFETY: the header's contract.
-        let (path, out) = unsafe { (crate::heap::text(path)?, Out::new(sheet)?) };
+        let (path, out) =
+            unsafe { (crate::heap::text(path).of(Argument::Path)?, Out::new(sheet).of(Argument::Sheet)?) };
         let read = || {
             let bytes = srbf_core::read_file(std::path::Path::new(path))?;
             let made = srbf_sheet::new(Bytes::Owned(bytes.into_boxed_slice()))?;
@@ -173,7 +176,7 @@ pub unsafe extern "C" fn srbf_sheet_query(
 ) -> srbf_status {
     guard(|| {
         // SAFETY: the header's contract.
-        let (sheet, out) = unsafe { (&self::sheet(sheet)?.sheet, Out::new(info)?) };
+        let (sheet, out) = unsafe { (&self::sheet(sheet)?.sheet, Out::new(info).of(Argument::Info)?) };
         let mut all = ([core::ptr::null(); 4], [0; 4]);
         for quarter in Quarter::ALL {
             if let Some(material) = sheet.quarter(quarter) {
@@ -209,11 +212,16 @@ pub unsafe extern "C" fn srbf_sheet_albedos(
 ) -> srbf_status {
     guard(|| {
         // SAFETY: the header's contract.
-        let (object, wo) = unsafe { (self::sheet(sheet)?, read_array(wo)?) };
+        let (object, wo) = unsafe { (self::sheet(sheet)?, read_array(wo).of(Argument::Wo)?) };
         // SAFETY: the header's contract.
-        let outs = unsafe { (Out::<[f32; 3]>::array(reflected)?, Out::<[f32; 3]>::array(transmitted)?) };
+        let outs = unsafe {
+            (
+                Out::<[f32; 3]>::array(reflected).of(Argument::Reflected)?,
+                Out::<[f32; 3]>::array(transmitted).of(Argument::Transmitted)?,
+            )
+        };
         let mut pair = SheetMixture::<MAX_LOBES>::empty();
-        object.sheet.prepare(direction(wo)?, &mut pair)?;
+        object.sheet.prepare(direction(wo).of(Argument::Wo)?, &mut pair)?;
         let [reflected, transmitted] = pair.albedos();
         outs.0.set(reflected.to_array());
         outs.1.set(transmitted.to_array());
@@ -236,10 +244,12 @@ pub unsafe extern "C" fn srbf_sheet_evaluate_and_pdf(
         // SAFETY: the header's contract.
         let object = unsafe { self::sheet(sheet)? };
         // SAFETY: the header's contract.
-        let (wo, wi) = unsafe { (read_array(wo)?, read_array(wi)?) };
+        let (wo, wi) = unsafe { (read_array(wo).of(Argument::Wo)?, read_array(wi).of(Argument::Wi)?) };
         // SAFETY: the header's contract.
-        let (value_out, pdf_out) = unsafe { (Out::<[f32; 3]>::array(value)?, Out::new(pdf)?) };
-        let (value, pdf) = object.sheet.evaluate_and_pdf(direction(wo)?, direction(wi)?);
+        let (value_out, pdf_out) =
+            unsafe { (Out::<[f32; 3]>::array(value).of(Argument::Value)?, Out::new(pdf).of(Argument::Pdf)?) };
+        let (value, pdf) =
+            object.sheet.evaluate_and_pdf(direction(wo).of(Argument::Wo)?, direction(wi).of(Argument::Wi)?);
         value_out.set(value.to_array());
         pdf_out.set(pdf);
         Ok(())
@@ -261,8 +271,14 @@ pub unsafe extern "C" fn srbf_sheet_sample(
         // SAFETY: the header's contract.
         let object = unsafe { self::sheet(sheet)? };
         // SAFETY: the header's contract.
-        let (wo, u, out) = unsafe { (read_array(wo)?, read_array(u)?, Out::new(sample)?) };
-        let (wo, u) = (direction(wo)?, uniform(u)?);
+        let (wo, u, out) = unsafe {
+            (
+                read_array(wo).of(Argument::Wo)?,
+                read_array(u).of(Argument::U)?,
+                Out::new(sample).of(Argument::Sample)?,
+            )
+        };
+        let (wo, u) = (direction(wo).of(Argument::Wo)?, uniform(u).of(Argument::U)?);
         out.set(drawn(object.sheet.sample(wo, u)));
         Ok(())
     })

@@ -1,8 +1,9 @@
 //! One direction at a time.
 #![allow(unsafe_code)]
 
+use crate::arguments::Argument;
 use crate::convert::{direction, uniform};
-use crate::guard::guard;
+use crate::guard::{Named, guard};
 use crate::pointers::{Out, read_array};
 use crate::status::srbf_status;
 use crate::storage::mixture;
@@ -33,9 +34,14 @@ pub unsafe extern "C" fn srbf_mixture_evaluate(
 ) -> srbf_status {
     guard(|| {
         // SAFETY: the header's contract.
-        let (mixture, wi, out) =
-            unsafe { (self::mixture(mixture)?, read_array(wi)?, Out::<[f32; 3]>::array(value)?) };
-        let wi = direction(wi)?;
+        let (mixture, wi, out) = unsafe {
+            (
+                self::mixture(mixture)?,
+                read_array(wi).of(Argument::Wi)?,
+                Out::<[f32; 3]>::array(value).of(Argument::Value)?,
+            )
+        };
+        let wi = direction(wi).of(Argument::Wi)?;
         out.set(mixture.evaluate(wi).to_array());
         Ok(())
     })
@@ -52,8 +58,10 @@ pub unsafe extern "C" fn srbf_mixture_pdf(
 ) -> srbf_status {
     guard(|| {
         // SAFETY: the header's contract.
-        let (mixture, wi, out) = unsafe { (self::mixture(mixture)?, read_array(wi)?, Out::new(pdf)?) };
-        let wi = direction(wi)?;
+        let (mixture, wi, out) = unsafe {
+            (self::mixture(mixture)?, read_array(wi).of(Argument::Wi)?, Out::new(pdf).of(Argument::Pdf)?)
+        };
+        let wi = direction(wi).of(Argument::Wi)?;
         out.set(mixture.pdf(wi));
         Ok(())
     })
@@ -72,9 +80,14 @@ pub unsafe extern "C" fn srbf_mixture_evaluate_and_pdf(
     guard(|| {
         // SAFETY: the header's contract.
         let (mixture, wi, value_out, pdf_out) = unsafe {
-            (self::mixture(mixture)?, read_array(wi)?, Out::<[f32; 3]>::array(value)?, Out::new(pdf)?)
+            (
+                self::mixture(mixture)?,
+                read_array(wi).of(Argument::Wi)?,
+                Out::<[f32; 3]>::array(value).of(Argument::Value)?,
+                Out::new(pdf).of(Argument::Pdf)?,
+            )
         };
-        let wi = direction(wi)?;
+        let wi = direction(wi).of(Argument::Wi)?;
         let (value, pdf) = mixture.evaluate_and_pdf(wi);
         value_out.set(value.to_array());
         pdf_out.set(pdf);
@@ -94,8 +107,10 @@ pub unsafe extern "C" fn srbf_mixture_sample(
 ) -> srbf_status {
     guard(|| {
         // SAFETY: the header's contract.
-        let (mixture, u, out) = unsafe { (self::mixture(mixture)?, read_array(u)?, Out::new(sample)?) };
-        let u = uniform(u)?;
+        let (mixture, u, out) = unsafe {
+            (self::mixture(mixture)?, read_array(u).of(Argument::U)?, Out::new(sample).of(Argument::Sample)?)
+        };
+        let u = uniform(u).of(Argument::U)?;
         out.set(drawn(mixture.sample(u)));
         Ok(())
     })
@@ -115,11 +130,18 @@ pub unsafe extern "C" fn srbf_mixture_sample_and_evaluate(
 ) -> srbf_status {
     guard(|| {
         // SAFETY: the header's contract.
-        let (mixture, u, wi) = unsafe { (self::mixture(mixture)?, read_array(u)?, read_array(wi)?) };
+        let (mixture, u, wi) = unsafe {
+            (self::mixture(mixture)?, read_array(u).of(Argument::U)?, read_array(wi).of(Argument::Wi)?)
+        };
         // SAFETY: the header's contract.
-        let (sample_out, value_out, pdf_out) =
-            unsafe { (Out::new(sample)?, Out::<[f32; 3]>::array(value)?, Out::new(pdf)?) };
-        let (u, wi) = (uniform(u)?, direction(wi)?);
+        let (sample_out, value_out, pdf_out) = unsafe {
+            (
+                Out::new(sample).of(Argument::Sample)?,
+                Out::<[f32; 3]>::array(value).of(Argument::Value)?,
+                Out::new(pdf).of(Argument::Pdf)?,
+            )
+        };
+        let (u, wi) = (uniform(u).of(Argument::U)?, direction(wi).of(Argument::Wi)?);
         let (sample, (value, pdf)) = mixture.sample_and_evaluate(u, wi);
         sample_out.set(drawn(sample));
         value_out.set(value.to_array());

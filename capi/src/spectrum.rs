@@ -1,7 +1,8 @@
 //! The spectra of a material's colours.
 #![allow(unsafe_code)]
 
-use crate::guard::guard;
+use crate::arguments::Argument;
+use crate::guard::{Named, guard};
 use crate::material::{material, srbf_material};
 use crate::pointers::{Out, check, check_apart, check_extent, read_array, slice};
 use crate::status::srbf_status;
@@ -37,7 +38,8 @@ pub unsafe extern "C" fn srbf_material_spectrum(
 ) -> srbf_status {
     guard(|| {
         // SAFETY: the header's contract.
-        let (material, out) = unsafe { (&self::material(material)?.material, Out::new(spectrum)?) };
+        let (material, out) =
+            unsafe { (&self::material(material)?.material, Out::new(spectrum).of(Argument::Spectrum)?) };
         let map = material.spectral_map();
         let nm = |n: usize| map.and_then(|map| map.wavelength(n)).unwrap_or(0.0);
         let count = map.map_or(0, |map| map.len());
@@ -66,11 +68,12 @@ pub unsafe extern "C" fn srbf_material_primaries(
 ) -> srbf_status {
     guard(|| {
         // SAFETY: the header's contract.
-        let (material, wavelengths) = unsafe { (self::material(material)?, slice(wavelengths, count)?) };
+        let (material, wavelengths) =
+            unsafe { (self::material(material)?, slice(wavelengths, count).of(Argument::Wavelengths)?) };
         if count == 0 {
             return Ok(());
         }
-        check(primaries)?;
+        check(primaries).of(Argument::Primaries)?;
         check_extent(primaries.addr(), count, size_of::<[f32; 3]>())?;
         check_apart(&extent(primaries.cast::<[f32; 3]>(), count), &extent(wavelengths.as_ptr(), count))?;
         for (n, nm) in wavelengths.iter().enumerate() {
@@ -95,12 +98,16 @@ pub unsafe extern "C" fn srbf_primaries_of(
 ) -> srbf_status {
     guard(|| {
         // SAFETY: the header's contract.
-        let (columns, rgb) =
-            unsafe { (slice(primaries.cast::<[f32; 3]>(), count)?, Vec3::from_array(read_array(rgb)?)) };
+        let (columns, rgb) = unsafe {
+            (
+                slice(primaries.cast::<[f32; 3]>(), count).of(Argument::Primaries)?,
+                Vec3::from_array(read_array(rgb).of(Argument::Rgb)?),
+            )
+        };
         if count == 0 {
             return Ok(());
         }
-        check(values)?;
+        check(values).of(Argument::Values)?;
         check_extent(values.addr(), count, size_of::<f32>())?;
         check_apart(&extent(values, count), &extent(columns.as_ptr(), count))?;
         for (n, column) in columns.iter().enumerate() {

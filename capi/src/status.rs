@@ -40,6 +40,8 @@ pub const SRBF_STATUS_SQUEEZE: srbf_status = 14;
 pub const SRBF_STATUS_CAPACITY: srbf_status = 15;
 /// A mixture holds squeezed lobes, a diffuse term or factors, which have no product in closed form.
 pub const SRBF_STATUS_SQUEEZED: srbf_status = 16;
+/// A weight, a tint or a coat of a blend is out of its range, or no weight is above 0.
+pub const SRBF_STATUS_WEIGHT: srbf_status = 17;
 /// The bytes do not start like a `.srbf` file.
 pub const SRBF_STATUS_MAGIC: srbf_status = 20;
 /// The `.srbf` version is one that this library does not read.
@@ -58,6 +60,8 @@ pub const SRBF_STATUS_TEXT: srbf_status = 31;
 pub const SRBF_STATUS_TABLE: srbf_status = 32;
 /// This processor, or this build of the library, does not have the SIMD level.
 pub const SRBF_STATUS_SIMD_LEVEL: srbf_status = 40;
+/// A function of the caller's light gave another status than 0.
+pub const SRBF_STATUS_LIGHT: srbf_status = 41;
 /// A panic was caught inside the library: a bug in it. Outputs are unspecified.
 pub const SRBF_STATUS_PANIC: srbf_status = 50;
 /// An error that this version of the C interface has no number for.
@@ -90,6 +94,9 @@ fn text(status: srbf_status) -> &'static CStr {
         SRBF_STATUS_SQUEEZE => c"a squeeze must be within [0.01, 2]",
         SRBF_STATUS_CAPACITY => c"the mixture has room for fewer lobes than are needed",
         SRBF_STATUS_SQUEEZED => c"squeezed lobes, diffuse terms and factors have no product in closed form",
+        SRBF_STATUS_WEIGHT => {
+            c"weights and tints must be within [0, 1000], one weight above 0, the index of a coat within [1, 10]"
+        }
         SRBF_STATUS_MAGIC => c"not a .srbf file",
         SRBF_STATUS_FORMAT_VERSION => c"a .srbf version that this library does not read",
         SRBF_STATUS_LENGTH => c"the .srbf bytes have another length than they announce",
@@ -99,6 +106,7 @@ fn text(status: srbf_status) -> &'static CStr {
         SRBF_STATUS_TEXT => c"a text is not UTF-8",
         SRBF_STATUS_TABLE => c"no material can be fitted to the table",
         SRBF_STATUS_SIMD_LEVEL => c"the SIMD level is not available here",
+        SRBF_STATUS_LIGHT => c"a function of the light gave another status than 0",
         SRBF_STATUS_PANIC => c"a panic inside srbf, which is a bug in it",
         SRBF_STATUS_OTHER => c"an error without a number of its own",
         _ => c"not a status of srbf",

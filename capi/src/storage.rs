@@ -1,7 +1,8 @@
 //! Objects in the caller's storage: how a mixture and a material are told from memory that holds neither.
 #![allow(unsafe_code)]
 
-use crate::guard::Failure;
+use crate::arguments::Argument;
+use crate::guard::{Failure, Named};
 use crate::pointers::check;
 use crate::status::{SRBF_STATUS_CAPACITY, SRBF_STATUS_MISALIGNED, SRBF_STATUS_OBJECT, SRBF_STATUS_SIZE};
 use core::ops::Range;
@@ -71,11 +72,11 @@ pub(crate) const fn size_for(lobes: usize) -> Option<usize> {
 #[inline(always)]
 unsafe fn capacity(mixture: *const srbf_mixture) -> Result<u32, Failure> {
     // The alignment of the whole, not of the head.
-    check(mixture.cast::<Storage16>())?;
+    check(mixture.cast::<Storage16>()).of(Argument::Mixture)?;
     // SAFETY: not NULL and aligned; readable by the contract.
     let head = unsafe { &*mixture };
     if head.tag != TAG {
-        return Err(SRBF_STATUS_OBJECT.into());
+        return Err(SRBF_STATUS_OBJECT).of(Argument::Mixture);
     }
     Ok(head.capacity)
 }
@@ -125,7 +126,7 @@ pub(crate) unsafe fn mixture_mut<'a>(
 pub(crate) unsafe fn init_at(storage: *mut u8, size: usize) -> Result<*mut srbf_mixture, Failure> {
     check_storage(storage)?;
     if size < size_for(0).unwrap_or(usize::MAX) {
-        return Err(SRBF_STATUS_SIZE.into());
+        return Err(SRBF_STATUS_SIZE).of(Argument::StorageSize);
     }
     // SAFETY: not NULL, aligned, and `size` bytes are writable by the contract.
     unsafe { write_empty(storage, size) };
@@ -134,11 +135,11 @@ pub(crate) unsafe fn init_at(storage: *mut u8, size: usize) -> Result<*mut srbf_
 
 /// Refuses storage that is NULL or not aligned for a mixture.
 pub(crate) fn check_storage(storage: *mut u8) -> Result<(), Failure> {
-    check(storage)?;
+    check(storage).of(Argument::Storage)?;
     if storage.addr().is_multiple_of(SRBF_MIXTURE_ALIGNMENT) {
         Ok(())
     } else {
-        Err(SRBF_STATUS_MISALIGNED.into())
+        Err(SRBF_STATUS_MISALIGNED).of(Argument::Storage)
     }
 }
 

@@ -6,7 +6,7 @@
 /// Compare with `srbf_version()` to see whether header and library belong together.
 pub const SRBF_VERSION: u32 = 100;
 
-/// Version of the `.srbf` bytes that are written; this one and version 1 are read.
+/// Version of the `.srbf` bytes that are written. Every version from 1 to this one is read.
 pub const SRBF_FORMAT_VERSION: u32 = 3;
 
 /// Returns the version of the library: `major * 10000 + minor * 100 + patch`.

@@ -64,6 +64,10 @@ pub enum Error {
     Candidates,
     /// The weight of the path's own ray is NaN or below 1e-3.
     Kappa,
+    /// A blend has 1 to [`MAX_BLEND`](crate::MAX_BLEND) parts.
+    Parts,
+    /// A weight or a tint of a blend is NaN or outside [0, 1000], no weight is above 0, or the index of a coat is outside [1, 10].
+    Weight,
 }
 
 impl fmt::Display for Error {
@@ -101,6 +105,10 @@ impl fmt::Display for Error {
             Self::Table => f.write_str("this is no sound table of an environment"),
             Self::Candidates => f.write_str("the number of candidates must be within [2, 32]"),
             Self::Kappa => f.write_str("kappa must be at least 1e-3, or infinite"),
+            Self::Parts => f.write_str("a blend must have 1 to 8 parts"),
+            Self::Weight => f.write_str(
+                "weights and tints must be within [0, 1000], one weight above 0, the index of a coat within [1, 10]",
+            ),
             Self::Direction => f.write_str("a direction must be a finite unit vector"),
         }
     }

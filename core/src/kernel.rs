@@ -1,17 +1,19 @@
 //! The kernels: what turns a material into a mixture, and a mixture into values, densities and samples, with
 //! the methods of both.
 //!
-//! [`prepare`] makes mixtures ([`between_views`], or [`prepare_anisotropic`]). [`one_direction`] and [`one_mixture`] (many
+//! [`prepare`] makes mixtures ([`between_views`]; of anisotropic materials [`among_rings`], without vectors [`prepare_anisotropic`]). [`one_direction`] and [`one_mixture`] (many
 //! directions) evaluate them and draw from them, all by [`draw`]; in batches by [`lobe_sums`].
 //!
 //! Many hits, each with lobes of its own, are taken in blocks of sixteen. *Sources* fill the lobes: from the file of a material that is
 //! asked directly ([`streamed`]), from the rows of an [`expanded`] one, from mixtures ([`each_mixture`]). A [`block`] draws and
 //! sums, whatever the source, and [`answers`] puts that into the outputs of a [`request`].
 //!
-//! May import: `mixture`, `material`, `squeeze`, `color`, `simd`, `error`; nothing but `estimator`,
-//! `sheet` and `environment` imports from here.
+//! May import: `mixture`, `material`, `squeeze`, `color`, `float`, `simd`, `error`; nothing but `estimator`,
+//! `sheet`, `blend` and `environment` imports from here.
 
-mod answers;
+#[cfg(feature = "simd")]
+mod among_rings;
+pub(crate) mod answers;
 pub(crate) mod between_views;
 pub(crate) mod block;
 pub(crate) mod draw;

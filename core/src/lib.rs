@@ -22,7 +22,7 @@
 //! |---|---|---|---|
 //! | `simd` | yes | SIMD levels: portable vectors, and on x86-64 AVX2 and AVX-512, chosen at run time ([`Level`]) | `wide` |
 //! | `std` | yes | [`read_file`]; the one thing here that allocates | |
-//! | `environment` | no | light from a map of the surroundings (`Environment`); light and material sampled together (`Mixture::sample_product`) | |
+//! | `environment` | no | light from a map of the surroundings (`Environment`), or of any kind (`LightSource`); light and material sampled together (`Mixture::sample_product`) | |
 //! | `level-from-environment` | no | for tests and benches: the variable `SRBF_LEVEL` names the best [`Level`] that is found | |
 //! | `zonal` | no | zonal kernels beside the Gaussian: Abel-Poisson, tables, Legendre series, the Metropolis walk | `rand_core` |
 //!
@@ -84,6 +84,7 @@
 //! ```
 #![no_std]
 
+mod blend;
 mod color;
 #[cfg(feature = "environment")]
 mod environment;
@@ -102,13 +103,18 @@ pub mod special;
 mod squeeze;
 mod zonal;
 
+pub use blend::coat::fresnel;
+pub use blend::part::BlendPart;
+pub use blend::{Blend, MAX_BLEND};
 pub use color::{LUMINANCE, color_differences, luminance};
 #[cfg(feature = "environment")]
 pub use environment::cell::EnvironmentCell;
 #[cfg(feature = "environment")]
 pub use environment::draw::EnvironmentSample;
 #[cfg(feature = "environment")]
-pub use environment::light_block::{LIGHT_BLOCK, LightBlock};
+pub use environment::light::{LIGHT_BLOCK, LightRows, LightSource};
+#[cfg(feature = "environment")]
+pub use environment::light_block::LightBlock;
 #[cfg(feature = "environment")]
 pub use environment::product::ProductSample;
 #[cfg(feature = "environment")]

@@ -5,14 +5,14 @@
 //! that share times the material's.
 //!
 //! [`bytes`] is the format, [`requests`] asks for many hits.
-//! May import: `mixture`, `kernel`, `material`, `float`, `simd`, `error`.
+//! May import: `mixture`, `kernel`, `material`, `simd`, `error`.
 
 mod bytes;
 pub(crate) mod quarter;
 mod requests;
 
 use crate::error::Error;
-use crate::float::BELOW_ONE;
+use crate::kernel::draw::choose;
 use crate::kernel::prepare::prepare;
 use crate::kernel::streamed::one::{Asked, ask_one};
 use crate::material::borrowed::{Material, MaterialRef};
@@ -251,11 +251,8 @@ impl<B: AsRef<[u8]>> Sheet<B> {
 /// Whether a number of a draw takes the way through, and the number that is left of it for the lobes, uniform in [0, 1).
 #[inline(always)]
 fn chosen(reflected: f32, u: f32) -> (bool, f32) {
-    if u < reflected {
-        (false, (u / reflected).min(BELOW_ONE))
-    } else {
-        (true, ((u - reflected) / (1.0 - reflected)).min(BELOW_ONE))
-    }
+    let (way, first) = choose(&[reflected, 1.0 - reflected], u);
+    (way == 1, first)
 }
 
 /// A draw of a quarter as one of the sheet, on the side that it belongs to.

@@ -26,7 +26,7 @@ pub(crate) mod routine;
 pub(crate) mod scalar;
 #[cfg(all(target_arch = "x86_64", target_feature = "sse2"))]
 mod sse2;
-pub(crate) mod two_rows;
+pub(crate) mod tables;
 #[cfg(all(target_arch = "arm", target_abi = "eabihf"))]
 mod vfp;
 

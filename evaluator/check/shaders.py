@@ -40,6 +40,14 @@ HITS = {
         ("float", "power", "v.reflected.view.power * step(0.0, v.reflected.view.wo.z) + v.transmitted.view.power * step(0.0, v.transmitted.view.wo.z)"),
         ("vec3", "albedo", "srbf_half_albedo(h)"),
     ],
+    "blend": [
+        ("SrbfMaterial", "m", "srbf_material(DATA)"),
+        ("SrbfBlend", "b", "srbf_blend(m, VEC3(0.7, 0.7, 0.7), m, VEC3(0.3, 0.2, 0.1), wo)"),
+        ("SrbfValue", "f", "srbf_blend_evaluate(b, wi)"),
+        ("SrbfSample", "s", "srbf_blend_sample(b, u)"),
+        ("float", "power", "srbf_blend_power(b.first_view, b.first_colour) * srbf_coat(1.5, wo, wi)"),
+        ("vec3", "albedo", "srbf_blend_albedo(b)"),
+    ],
 }
 
 WGSL = (
@@ -62,7 +70,7 @@ fn given_vector(row: u32, i: u32) -> vec3f { return vec3f(given[row * 4096u + i]
     got[4u * i + 3u] = vec4f(albedo, 0.0);
 }
 """,
-    lambda kind, name, value: f"let {name} = {value};".replace("DATA", "0u"),
+    lambda kind, name, value: f"let {name} = {value};".replace("DATA", "0u").replace("VEC3", "vec3f"),
 )
 GLSL = (
     """#version 450
@@ -86,7 +94,7 @@ void main() {
     got[4 * i + 3] = vec4(albedo, 0.0);
 }
 """,
-    lambda kind, name, value: f"{kind} {name} = {value};".replace("DATA", "0"),
+    lambda kind, name, value: f"{kind} {name} = {value};".replace("DATA", "0").replace("VEC3", "vec3"),
 )
 HLSL = (
     """[[vk::binding(0, 0)]] StructuredBuffer<uint> words;
@@ -108,7 +116,7 @@ float3 given_vector(uint row, uint i) { return float3(given[row * 4096 + i], giv
     got[4 * i + 3] = float4(albedo, 0.0);
 }
 """,
-    lambda kind, name, value: f"{kind.replace('vec3', 'float3')} {name} = {value};".replace("DATA", "0"),
+    lambda kind, name, value: f"{kind.replace('vec3', 'float3')} {name} = {value};".replace("DATA", "0").replace("VEC3", "float3"),
 )
 
 
@@ -152,7 +160,7 @@ def main(write, program, folder):
         return target.read_bytes()
 
     def pipelines(hit):
-        own = lambda language, parts: source(parts, text(language, *(["sheet"] if hit == "sheet" else [])), hit)
+        own = lambda language, parts: source(parts, text(language, *([] if hit == "material" else [hit])), hit)
         codes = {"wgsl": own("wgsl", WGSL), "glsl": spirv("glsl", own("glsl", GLSL)), "hlsl": spirv("hlsl", own("hlsl", HLSL), "-D")}
         module = lambda code: {"module": device.create_shader_module(code=code), "entry_point": "main"}
         return {name: device.create_compute_pipeline(layout="auto", compute=module(code)) for name, code in codes.items()}
@@ -195,6 +203,7 @@ def main(write, program, folder):
         for row in range(9):
             hostile[row] = np.where(which == row // 3, random.choice(ends, N), hostile[row])
         made = pipelines(hit)
+        blends = pipelines("blend") if hit == "material" else {}
         for name, path in found.items():
             words = path.read_bytes()
             words += b"\0" * (-len(words) % 4)
@@ -203,6 +212,10 @@ def main(write, program, folder):
                 errors, elsewhere = worst(ask(pipeline, words, given), want)
                 got = ask(pipeline, words, hostile)
                 is_nothing = np.all(got[which == 0, :4] == 0) and np.all(got[which == 1, :4] == 0) and np.all(got[which == 0, 7:11] == 0)
+                # A blend of a material with itself is that material in another colour.
+                blended = ask(blends[language], words, given)[:, :4] / [1.0, 0.9, 0.8, 1.0] if blends else want[:, :4]
+                apart = np.max(np.abs(blended - want[:, :4]), axis=1) / np.maximum(np.max(np.abs(want[:, :3]), axis=1), want[:, 3] + 1e-20)
+                is_nothing &= bool(np.max(apart) <= 2 * BOUNDS["value"])
                 is_good = all(errors[key] <= bound for key, bound in BOUNDS.items()) and elsewhere <= 2 and np.isfinite(got).all() and is_nothing
                 failed |= not is_good
                 print(f"{'pass' if is_good else 'FAIL'} {name:14} {language}", *(f"{k} {v:.1e}" for k, v in errors.items()), f"other lobe {elsewhere}, hostile {is_nothing}")

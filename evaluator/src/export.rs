@@ -1,7 +1,8 @@
 //! A material with the text that reads it: one file to copy.
 
 use crate::language::Language;
-use crate::rewrite::text;
+use crate::rewrite::functions;
+use crate::usage::{Content, renamed, usage};
 use srbf_core::{Material, Quarter, Sheet, printable, printable_lines};
 use std::borrow::Cow;
 use std::fmt::Write;
@@ -31,15 +32,27 @@ pub fn plain_bytes(material: &Material<impl AsRef<[u8]>>) -> Cow<'_, [u8]> {
     }
 }
 
-/// Writes a material and the text that evaluates it: its words are constants, `srbf_data`.
+/// Writes a material and the text that evaluates it: its calls, its provenance, its words as constants, `srbf_data`, and the text.
 ///
 /// In C++, CUDA and Metal `srbf_material(srbf_data)` is the material; elsewhere `srbf_material(0)`, and `srbf_word` is defined.
 pub fn export(material: &Material<impl AsRef<[u8]>>, language: Language) -> String {
-    written(&plain_bytes(material), material.provenance(), &text(language), language)
+    export_as(material, language, "srbf")
+}
+
+/// As [`export`], with names that begin with another one than `srbf`, as [`renamed`] has them.
+pub(crate) fn export_as(material: &Material<impl AsRef<[u8]>>, language: Language, name: &str) -> String {
+    written(&plain_bytes(material), material.provenance(), Content::Material, language, name)
 }
 
 /// Writes a text with bytes as its constants.
-pub(crate) fn written(bytes: &[u8], provenance: &str, text: &str, language: Language) -> String {
+pub(crate) fn written(
+    bytes: &[u8],
+    provenance: &str,
+    content: Content,
+    language: Language,
+    name: &str,
+) -> String {
+    let (calls, text) = (usage(language, content, true), functions(language, content));
     let words: Vec<u32> = bytes.chunks(4).map(word).collect();
     let mut list = String::new();
     for line in words.chunks(LINE) {
@@ -80,7 +93,12 @@ pub(crate) fn written(bytes: &[u8], provenance: &str, text: &str, language: Lang
             ),
         ),
     };
-    format!("{provenance}{before}{text}{after}")
+    // Precisions of numbers come before the first of them.
+    let (head, text) =
+        if language == Language::Glsl { text.split_at(language.head().len()) } else { ("", text.as_str()) };
+    let before = format!("{head}{before}");
+    let [calls, code] = [calls, format!("{before}{text}{after}")].map(|text| renamed(&text, name));
+    format!("{calls}{provenance}{code}")
 }
 
 /// A text of a stranger, as much of it as an export holds.
@@ -91,8 +109,8 @@ fn bounded(text: &str) -> Cow<'_, str> {
     }
 }
 
-/// The same as lines of comment. In no language does one end before its line, or go on behind it.
-fn comments(text: &str) -> String {
+/// A text of a stranger as lines of comment, its first 4000 characters. In no language does one end before its line, or go on behind it.
+pub fn comments(text: &str) -> String {
     let mut made = String::new();
     for line in bounded(text).lines() {
         // LF alone ended lines; `printable` leaves no other end of one.

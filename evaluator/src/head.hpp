@@ -1,12 +1,3 @@
-// Materials of srbf in C++17 and CUDA without the library. Written by `srbf-evaluator`; do not edit.
-//
-//     std::vector<uint32_t> words = ...;                    // the bytes of a .srbf file, as they are
-//     if (srbf_device::srbf_check(words.data(), words.size()) != 0) return fail();
-//     srbf_device::SrbfMaterial material = srbf_device::srbf_material(words.data());
-//     srbf_device::SrbfView view = srbf_device::srbf_prepare(material, wo);
-//     srbf_device::SrbfSample sample = srbf_device::srbf_sample(material, view, srbf_device::vec3(u0, u1, u2));
-//     srbf_device::SrbfValue light = srbf_device::srbf_evaluate(material, view, wi);
-//
 // Against the library: value and density within 3e-4, the density at a draw within 5e-4. Processors of little-endian words.
 #pragma once
 #ifdef __CUDACC_RTC__

@@ -37,6 +37,19 @@ impl Language {
         }
     }
 
+    /// Its name in a sentence.
+    pub(crate) const fn title(self) -> &'static str {
+        match self {
+            Self::Glsl => "GLSL (ES 3.0; 3.30 and later)",
+            Self::Wgsl => "WGSL",
+            Self::Hlsl => "HLSL (shader model 5 and later)",
+            Self::Slang => "Slang",
+            Self::Cuda => "CUDA",
+            Self::Cpp => "C++17 and CUDA without the library",
+            Self::Metal => "the Metal shading language",
+        }
+    }
+
     /// The usual end of a file's name.
     pub const fn ending(self) -> &'static str {
         match self {
@@ -110,8 +123,7 @@ impl Language {
             Self::Cuda | Self::Cpp => include_str!("head.hpp"),
             Self::Metal => include_str!("head.metal"),
             Self::Glsl => GLSL,
-            Self::Hlsl | Self::Slang => HLSL,
-            Self::Wgsl => WGSL,
+            Self::Hlsl | Self::Slang | Self::Wgsl => "",
         }
     }
 
@@ -132,7 +144,5 @@ impl Language {
     }
 }
 
-/// The interface to a shader, which keeps the words of a material where it likes.
-const GLSL: &str = "// Yours to define: word i of the material at `data`, from a buffer, a texture or constants.\n// uint srbf_word(int data, int i);\n\n";
-const HLSL: &str = "// Yours to define: word i of the material at `data`, from a buffer, a texture or constants.\n// uint srbf_word(uint data, int i);\n\n";
-const WGSL: &str = "// Yours to define: word i of the material at `data`, from a buffer, a texture or constants.\n// fn srbf_word(data: u32, i: i32) -> u32\n\n";
+/// GLSL ES has no precision of floating-point numbers by itself, and one of whole numbers that is too low.
+const GLSL: &str = "#ifdef GL_ES\nprecision highp float;\nprecision highp int;\n#endif\n\n";

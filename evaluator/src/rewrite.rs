@@ -2,6 +2,7 @@
 
 use crate::calls::{replace_word, rewrite, split, suffix_numbers};
 use crate::language::Language;
+use crate::usage::{Content, usage};
 use crate::wgsl;
 
 /// The text itself.
@@ -10,23 +11,49 @@ const TEXT: &str = include_str!("srbf.inc");
 /// What stands behind it for sheets.
 const SHEET: &str = include_str!("sheet.inc");
 
-/// Objects that C++ passes by reference, as parameters of the text.
-const OBJECTS: [&str; 5] = ["SrbfMaterial m", "SrbfView v", "SrbfSheet s", "SrbfHalf h", "SrbfSheetView v"];
+/// What stands behind that for blends.
+const BLEND: &str = include_str!("blend.inc");
 
-/// Writes the text out, with the prelude of the language and without a material.
+/// Objects that C++ passes by reference, as parameters of the text.
+const OBJECTS: [&str; 8] = [
+    "SrbfMaterial m",
+    "SrbfView v",
+    "SrbfSheet s",
+    "SrbfHalf h",
+    "SrbfSheetView v",
+    "SrbfBlend b",
+    "SrbfMaterial first",
+    "SrbfMaterial second",
+];
+
+/// Writes the text out, with its calls, the prelude of the language and without a material.
 ///
 /// In C++ and CUDA a material is a pointer to its words, in Metal one to `device` memory. Elsewhere it is a number of the caller's, by which
 /// a function of the caller's, `srbf_word`, finds the words.
 pub fn text(language: Language) -> String {
-    format!("{}{}{}", language.head(), body(TEXT, language), language.tail())
+    usage(language, Content::Material, false) + &functions(language, Content::Material)
 }
 
 /// Writes the text out with the functions of a sheet behind those of a material; else as [`text`].
 ///
 /// A quarter lies within the words of its sheet: word `i` of `data + n` has to be word `n + i` of `data`, where `srbf_word` is the caller's.
 pub fn sheet_text(language: Language) -> String {
-    let [material, sheet] = [TEXT, SHEET].map(|text| body(text, language));
-    format!("{}{material}{sheet}{}{}", language.head(), language.sheet_check(), language.tail())
+    usage(language, Content::Sheet, false) + &functions(language, Content::Sheet)
+}
+
+/// Writes the text out with the functions of a sheet and of a blend; else as [`sheet_text`].
+pub fn blend_text(language: Language) -> String {
+    usage(language, Content::Blend, false) + &functions(language, Content::Blend)
+}
+
+/// A text without its calls. One of more content begins as one of less, but for the end of the language.
+pub fn functions(language: Language, content: Content) -> String {
+    let more = match content {
+        Content::Material => String::new(),
+        Content::Sheet => body(SHEET, language) + language.sheet_check(),
+        Content::Blend => body(SHEET, language) + &body(BLEND, language) + language.sheet_check(),
+    };
+    format!("{}{}{more}{}", language.head(), body(TEXT, language), language.tail())
 }
 
 /// Lines of a text in a language.

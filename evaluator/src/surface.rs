@@ -1,8 +1,8 @@
 //! The content of a `.srbf` file, a material or a sheet: written out by the same calls.
 
-use crate::export::{can_read, export, json, json_of_sheet, plain_bytes, written};
+use crate::export::{can_read, export_as, json, json_of_sheet, plain_bytes, written};
 use crate::language::Language;
-use crate::rewrite::sheet_text;
+use crate::usage::Content;
 use srbf_core::{FormatError, Material, Quarter, Sheet};
 use std::borrow::Cow;
 
@@ -50,12 +50,18 @@ impl<B: AsRef<[u8]>> Surface<B> {
         }
     }
 
-    /// Writes it and the text that evaluates it, as [`export`]: of a sheet `srbf_sheet(srbf_data)` or `srbf_sheet(0)`.
+    /// Writes it and the text that evaluates it, as [`export`](crate::export): of a sheet `srbf_sheet(srbf_data)` or `srbf_sheet(0)`.
     pub fn export(&self, language: Language) -> String {
+        self.export_as(language, "srbf")
+    }
+
+    /// As [`export`](Self::export), with names that begin with another one than `srbf`, so that two exports stand in one program: see
+    /// [`renamed`](crate::renamed). The name has to be one by [`is_name`](crate::is_name).
+    pub fn export_as(&self, language: Language, name: &str) -> String {
         match self {
-            Self::Material(material) => export(material, language),
+            Self::Material(material) => export_as(material, language, name),
             Self::Sheet(sheet) => {
-                written(&plain_sheet(sheet), sheet.provenance(), &sheet_text(language), language)
+                written(&plain_sheet(sheet), sheet.provenance(), Content::Sheet, language, name)
             }
         }
     }

@@ -35,9 +35,20 @@ static Answer of_sheet(const uint32_t *words, vec3 wo, vec3 wi, vec3 u) {
             power(v.reflected) + power(v.transmitted)};
 }
 
+// The reflection and the transmission of the front, as a blend of two materials.
+static Answer of_blend(const uint32_t *words, vec3 wo, vec3 wi, vec3 u) {
+    const SrbfSheet s = srbf_sheet(words);
+    const SrbfMaterial first = srbf_material(words + s.front_reflection), second = srbf_material(words + s.front_transmission);
+    const SrbfBlend b = srbf_blend(first, vec3(0.7f, 0.7f, 0.7f), second, vec3(0.3f, 0.24f, 0.18f), wo);
+    const float coat = srbf_coat(1.5f, wo, wi);
+    return {srbf_blend_evaluate(b, wi), srbf_blend_sample(b, u), srbf_blend_albedo(b), vec3(coat, srbf_fresnel(1.33f, wi.z), 0),
+            srbf_blend_power(b.first_view, b.first_colour) + srbf_blend_power(b.second_view, b.second_colour)};
+}
+
 static bool read(void *to, size_t bytes) { return fread(to, 1, bytes, stdin) == bytes; }
 
-int main() {
+// An argument: sheets are blends.
+int main(int argc, char **) {
     for (uint32_t bytes, count; read(&bytes, 4);) {
         // As large as the file: a sanitizer sees every read behind it.
         std::vector<uint32_t> words((bytes + 3) / 4);
@@ -51,7 +62,7 @@ int main() {
         if (wrong == 0) {
             for (size_t i = 0; i < n; i++) {
                 auto vector = [&](size_t row) { return vec3(in[row * n + i], in[(row + 1) * n + i], in[(row + 2) * n + i]); };
-                const auto [f, s, albedo, primary, power] = (is_sheet ? of_sheet : of_material)(words.data(), vector(0), vector(3), vector(6));
+                const auto [f, s, albedo, primary, power] = (is_sheet ? argc > 1 ? of_blend : of_sheet : of_material)(words.data(), vector(0), vector(3), vector(6));
                 const float numbers[18] = {f.value.x,  f.value.y,  f.value.z,  f.pdf,    s.wi.x,   s.wi.y,   s.wi.z, s.pdf,
                                            s.weight.x, s.weight.y, s.weight.z, albedo.x, albedo.y, albedo.z, power,  primary.x, primary.y, primary.z};
                 for (size_t row = 0; row < 18; row++) { out[row * n + i] = numbers[row]; }

@@ -1,4 +1,4 @@
-import type { Camera, Color, ColorRepresentation, DataTexture, Scene, ShaderMaterial, ShaderMaterialParameters, Texture, WebGLRenderer, WebGLRenderTarget } from "three";
+import type { Camera, Color, ColorRepresentation, DataTexture, Scene, ShaderMaterial, ShaderMaterialParameters, Texture, Vector2, WebGLRenderer, WebGLRenderTarget } from "three";
 
 /** The words of a .srbf file, a material's or a sheet's, as a texture; throws an error that names what is wrong with them. `name` is how errors call the file. */
 export function parseSrbf(data: ArrayBuffer | Uint8Array, name?: string): DataTexture;
@@ -9,11 +9,16 @@ export function loadSrbf(url: string): Promise<DataTexture>;
 export interface SrbfMaterialParameters extends ShaderMaterialParameters {
     /** A texture of loadSrbf or parseSrbf. */
     srbf: DataTexture;
-    /** An equirectangular map of light, linear, such as HDRLoader gives. */
+    /** An equirectangular map of light, linear, such as HDRLoader gives, or a cube; null for that of the scene. */
     environment?: Texture | null;
     environmentIntensity?: number;
-    /** Directions of the lobes, a frame and pixel, that look into the map. */
+    /** Random directions of the lobes, a picture of Mean and pixel, that look into the map. */
     draws?: number;
+    /** Directions that are the same at every pixel, in a picture of the renderer. */
+    even?: number;
+    /** Slopes of the surface, as in MeshStandardMaterial. */
+    normalMap?: Texture | null;
+    normalScale?: Vector2;
     /** A colour that multiplies the value. */
     tint?: ColorRepresentation;
     /** Whether the geometry has an attribute `tangent`: the x axis of an anisotropic material. */
@@ -21,13 +26,19 @@ export interface SrbfMaterialParameters extends ShaderMaterialParameters {
 }
 
 /**
- * A measured surface, or a sheet with both its sides, under directional, point and spot lights, ambient light, and a map. Shadows and lights of other kinds are not seen.
+ * A measured surface, or a sheet with both its sides, under lights of three.js but area lights, with shadows, and a map of light.
  */
 export class SrbfMaterial extends ShaderMaterial {
     constructor(parameters: SrbfMaterialParameters);
     readonly isSrbfMaterial: true;
-    /** The number of the picture: its draws are its own. */
+    /** The number of the picture: its draws are its own. 0 is the one without noise. */
     frame: number;
+    environment: Texture | null;
+    environmentIntensity: number;
+    draws: number;
+    even: number;
+    normalMap: Texture | null;
+    readonly normalScale: Vector2;
     readonly tint: Color;
 }
 

@@ -28,20 +28,39 @@ export async function loadSrbf(url) {
 }
 
 const vertexShader = /* glsl */ `
-out vec3 srbfPosition;
+#include <common>
+#include <batching_pars_vertex>
+#include <uv_pars_vertex>
+#include <morphtarget_pars_vertex>
+#include <skinning_pars_vertex>
+#include <shadowmap_pars_vertex>
+out vec3 vViewPosition;
 out vec3 srbfNormal;
 #ifdef SRBF_TANGENTS
+#ifndef USE_TANGENT
 in vec4 tangent;
+#endif
 out vec4 srbfTangent;
 #endif
 void main() {
-    vec4 place = modelViewMatrix * vec4(position, 1.0);
-    srbfPosition = place.xyz;
-    srbfNormal = normalMatrix * normal;
+    #include <uv_vertex>
+    #include <batching_vertex>
+    #include <beginnormal_vertex>
+    #include <morphnormal_vertex>
+    #include <skinbase_vertex>
+    #include <skinnormal_vertex>
+    #include <defaultnormal_vertex>
+    #include <begin_vertex>
+    #include <morphtarget_vertex>
+    #include <skinning_vertex>
+    #include <project_vertex>
+    #include <worldpos_vertex>
+    #include <shadowmap_vertex>
+    vViewPosition = -mvPosition.xyz;
+    srbfNormal = transformedNormal;
 #ifdef SRBF_TANGENTS
     srbfTangent = vec4((modelViewMatrix * vec4(tangent.xyz, 0.0)).xyz, tangent.w);
 #endif
-    gl_Position = projectionMatrix * place;
 }
 `;
 
@@ -65,14 +84,22 @@ ${sheet}
 const fragmentShader = (isSheet) => /* glsl */ `
 precision highp usampler2D;
 #include <common>
+#include <uv_pars_fragment>
 #include <lights_pars_begin>
+#include <shadowmap_pars_fragment>
+#include <normalmap_pars_fragment>
 uniform usampler2D srbfWords;
+#ifdef SRBF_CUBE
+uniform samplerCube environment;
+#else
 uniform sampler2D environment;
+#endif
+uniform mat3 environmentTurn;
 uniform float environmentIntensity;
 uniform int draws;
 uniform uint frame;
 uniform vec3 tint;
-in vec3 srbfPosition;
+in vec3 vViewPosition;
 in vec3 srbfNormal;
 #ifdef SRBF_TANGENTS
 in vec4 srbfTangent;
@@ -89,9 +116,37 @@ uvec3 srbfRandom(uvec3 v) {
     return v;
 }
 
+// The mean of the map over a solid angle round a direction, by the level whose pixels are as large.
+vec3 srbfSurroundings(vec3 towards, float solidAngle) {
+#ifdef SRBF_CUBE
+    float side = float(textureSize(environment, 0).x);
+#ifdef SRBF_PREFILTERED
+    // Levels of PMREMGenerator are means over lobes of GGX; those of a roughness spread over 4 pi roughness^4.
+    float roughness = min(sqrt(sqrt(solidAngle * 0.07957747)), 1.0);
+    return textureLod(environment, towards, max(log2(side) - 3.0, 0.0) * roughness * (2.0 - roughness)).rgb;
+#endif
+    return textureLod(environment, towards, 0.5 * log2(max(solidAngle * side * side * 0.47746483, 1.0))).rgb;
+#else
+    vec2 size = vec2(textureSize(environment, 0));
+    vec2 place = vec2(atan(towards.z, towards.x) * RECIPROCAL_PI2 + 0.5, asin(clamp(towards.y, -1.0, 1.0)) * RECIPROCAL_PI + 0.5);
+    return textureLod(environment, place, 0.5 * log2(max(solidAngle * size.x * size.y * 0.05066059, 1.0))).rgb;
+#endif
+}
+
 void main() {
-    vec3 normal = normalize(srbfNormal)${isSheet ? "" : " * (gl_FrontFacing ? 1.0 : -1.0)"};
-    vec3 view = isOrthographic ? vec3(0.0, 0.0, 1.0) : normalize(-srbfPosition);
+    float side = gl_FrontFacing ? 1.0 : -1.0;
+    vec3 normal = normalize(srbfNormal)${isSheet ? "" : " * side"};
+    vec3 view = isOrthographic ? vec3(0.0, 0.0, 1.0) : normalize(vViewPosition);
+#ifdef USE_NORMALMAP_TANGENTSPACE
+#ifdef SRBF_TANGENTS
+    vec3 along = normalize(srbfTangent.xyz);
+    mat3 frameOfMap = mat3(along, cross(normal, along) * srbfTangent.w, normal);
+#else
+    mat3 frameOfMap = getTangentFrame(-vViewPosition, normal, vNormalMapUv);
+#endif
+    vec3 slope = texture2D(normalMap, vNormalMapUv).xyz * 2.0 - 1.0;
+    normal = normalize(frameOfMap * vec3(slope.xy * normalScale, slope.z));
+#endif
 #ifdef SRBF_TANGENTS
     vec3 tangent = normalize(srbfTangent.xyz - normal * dot(normal, srbfTangent.xyz));
     vec3 bitangent = cross(normal, tangent) * srbfTangent.w;
@@ -101,35 +156,22 @@ void main() {
 #endif
     mat3 frameOfSurface = mat3(tangent, bitangent, normal);
     vec3 wo = view * frameOfSurface;
-    wo = normalize(vec3(wo.xy, ${isSheet ? "gl_FrontFacing ? max(wo.z, 1e-3) : min(wo.z, -1e-3)" : "max(wo.z, 1e-3)"}));
+    wo = normalize(vec3(wo.xy, ${isSheet ? "side * max(side * wo.z, 1e-3)" : "max(wo.z, 1e-3)"}));
     VIEW mixture = PREPARE(wo);
-    vec3 light = ambientLightColor * ALBEDO(mixture) * RECIPROCAL_PI;
-    IncidentLight incident;
-#if NUM_DIR_LIGHTS > 0
-    for (int i = 0; i < NUM_DIR_LIGHTS; i++) {
-        getDirectionalLightInfo(directionalLights[i], incident);
-        light += incident.color * TOWARDS(mixture, incident.direction * frameOfSurface);
-    }
-#endif
-#if NUM_POINT_LIGHTS > 0
-    for (int i = 0; i < NUM_POINT_LIGHTS; i++) {
-        getPointLightInfo(pointLights[i], srbfPosition, incident);
-        light += incident.color * TOWARDS(mixture, incident.direction * frameOfSurface);
-    }
-#endif
-#if NUM_SPOT_LIGHTS > 0
-    for (int i = 0; i < NUM_SPOT_LIGHTS; i++) {
-        getSpotLightInfo(spotLights[i], srbfPosition, incident);
-        light += incident.color * TOWARDS(mixture, incident.direction * frameOfSurface);
-    }
-#endif
+    vec3 light = vec3(0.0);
+    // The lights and shadows of three.js, in its own loops.
+    #define RE_Direct(lamp, a, b, c, d, e, f) light += lamp.color * TOWARDS(mixture, lamp.direction * frameOfSurface)
+    #define RE_IndirectDiffuse
+    #include <lights_fragment_begin>
+    light += irradiance * ALBEDO(mixture) * RECIPROCAL_PI;
     vec3 reflected = vec3(0.0);
     for (int i = 0; i < draws; i++) {
-        uvec3 bits = srbfRandom(uvec3(gl_FragCoord.xy, frame * uint(draws) + uint(i)));
-        SrbfSample s = DRAW(mixture, vec3(bits >> 8u) * (1.0 / 16777216.0));
-        vec3 towards = inverseTransformDirection(frameOfSurface * s.wi, viewMatrix);
-        vec2 place = vec2(atan(towards.z, towards.x) * RECIPROCAL_PI2 + 0.5, asin(clamp(towards.y, -1.0, 1.0)) * RECIPROCAL_PI + 0.5);
-        reflected += s.weight * textureLod(environment, place, 0.0).rgb;
+        // In frame 0 the same even numbers at every pixel, and means of the map over the share of each; else random ones, and the map itself.
+        vec3 u = vec3((float(i) + 0.5) / float(draws), fract(0.5 + float(i + 1) * vec2(0.75487767, 0.56984029)));
+        if (frame > 0u) { u = vec3(srbfRandom(uvec3(gl_FragCoord.xy, frame * uint(draws) + uint(i))) >> 8u) * (1.0 / 16777216.0); }
+        SrbfSample s = DRAW(mixture, u);
+        vec3 towards = environmentTurn * normalize((vec4(frameOfSurface * s.wi, 0.0) * viewMatrix).xyz);
+        reflected += s.weight * srbfSurroundings(towards, frame > 0u ? 0.0 : SPREAD / (float(draws) * max(s.pdf, 1e-6)));
     }
     light += reflected * (environmentIntensity / float(max(draws, 1)));
     gl_FragColor = vec4(tint * light, 1.0);
@@ -138,18 +180,78 @@ void main() {
 }
 `;
 
+/** Numbers of a picture, red, green, blue and one more a pixel; null where they are not in memory. */
+function numbersOf({ image, type, colorSpace }) {
+    const { data, width, height } = image ?? {};
+    if (!data || data.length % (width * height) !== 0) return null;
+    const perPixel = data.length / (width * height), isByte = data instanceof Uint8Array || data instanceof Uint8ClampedArray;
+    const linear = (v) => (v <= 0.04045 ? v / 12.92 : ((v + 0.055) / 1.055) ** 2.4);
+    const ofBytes = Float32Array.from({ length: 256 }, (_, n) => (colorSpace === THREE.SRGBColorSpace ? linear(n / 255) : n / 255));
+    const decoded = isByte ? (v) => ofBytes[v] : type === THREE.HalfFloatType ? THREE.DataUtils.fromHalfFloat : (v) => v;
+    const numbers = new Float32Array(4 * width * height).fill(1);
+    for (let i = 0; i < width * height; i++) {
+        for (let c = 0; c < 3; c++) numbers[4 * i + c] = decoded(data[perPixel * i + Math.min(c, perPixel - 1)]);
+    }
+    return { numbers, width, height };
+}
+
+/** A picture of half the side; rows of a latitude-longitude map have the weight of their solid angle. */
+function halved({ numbers, width, height }) {
+    const [w, h] = [width, height].map((n) => Math.max(n >> 1, 1)), out = new Float32Array(4 * w * h);
+    for (let y = 0; y < h; y++) {
+        const rows = [2 * y, 2 * y + 1].map((row) => Math.min(row, height - 1));
+        const weights = rows.map((row) => Math.sin((Math.PI * (row + 0.5)) / height)), all = 2 * (weights[0] + weights[1]);
+        for (let x = 0; x < w; x++) {
+            const [left, right] = [2 * x, Math.min(2 * x + 1, width - 1)];
+            for (let c = 0; c < 4; c++) {
+                const of = (n) => weights[n] * (numbers[4 * (rows[n] * width + left) + c] + numbers[4 * (rows[n] * width + right) + c]);
+                out[4 * (y * w + x) + c] = (of(0) + of(1)) / all;
+            }
+        }
+    }
+    return { numbers: out, width: w, height: h };
+}
+
+const WIDEST = 2048; // pixels of a row of a map
+const LARGEST = 65504; // the largest half float
+const known = new WeakMap(); // maps with levels, by the map that they are of
+
+/** A latitude-longitude map with its means over 2, 4, 8 ... pixels; a map whose numbers are not in memory as it is. */
+function withLevels(map) {
+    const made = known.get(map);
+    if (made?.version === map.version) return made.texture;
+    made?.texture.dispose();
+    let level = numbersOf(map);
+    if (!level) return map;
+    while (level.width > WIDEST) level = halved(level);
+    const levels = [level];
+    while (level.width > 1 || level.height > 1) levels.push((level = halved(level)));
+    const half = (v) => THREE.DataUtils.toHalfFloat(Math.min(Math.max(v, -LARGEST), LARGEST));
+    const mipmaps = levels.map(({ numbers, width, height }) => ({ data: Uint16Array.from(numbers, half), width, height }));
+    const [{ data, width, height }] = mipmaps;
+    const texture = new THREE.DataTexture(data, width, height, THREE.RGBAFormat, THREE.HalfFloatType);
+    Object.assign(texture, { mipmaps, flipY: map.flipY, wrapS: THREE.RepeatWrapping, magFilter: THREE.LinearFilter, minFilter: THREE.LinearMipmapLinearFilter, needsUpdate: true });
+    known.set(map, { version: map.version, texture });
+    return texture;
+}
+
+const CUBE_UV = 306; // the mapping of a cube that is laid out in a plane
+const black = new THREE.DataTexture(new Uint8Array(4), 1, 1);
+const turn = new THREE.Matrix4();
+
 /**
- * A measured surface: directional, point and spot lights, ambient light by its albedo, and an equirectangular map of light, of which every
- * frame takes `draws` directions of the lobes. A sheet is seen from both sides, and by light on both; its front is that of the geometry. Shadows
- * and lights of other kinds are not seen.
+ * A measured surface: lights and shadows of three.js, ambient light by its albedo, a normal map, and a map of light: `environment`, or without
+ * it that of the scene. A picture of `renderer.render` takes `even` directions of the lobes, the same at every pixel, and has no noise;
+ * one of `Mean` takes `draws` random ones. A sheet is seen from both sides, and by light on both; its front is that of the geometry. Area
+ * lights are not seen.
  */
 export class SrbfMaterial extends THREE.ShaderMaterial {
-    constructor({ srbf, environment = null, environmentIntensity = 1, draws = 4, tint = 0xffffff, tangents = false, ...others } = {}) {
+    constructor({ srbf, environment = null, environmentIntensity = 1, draws = 4, even = 64, tint = 0xffffff, tangents = false, normalMap = null, normalScale = new THREE.Vector2(1, 1), ...others } = {}) {
         if (!srbf?.isTexture) throw new Error("srbf: a texture of loadSrbf or parseSrbf is expected");
-        if (environment) environment.wrapS = THREE.RepeatWrapping;
         super({
             lights: true,
-            defines: tangents ? { SRBF_TANGENTS: 1 } : {},
+            // Means overlap, so that steps between directions are not seen.
+            defines: { SPREAD: "1.0", ...(tangents ? { SRBF_TANGENTS: 1 } : {}) },
             uniforms: THREE.UniformsUtils.merge([THREE.UniformsLib.lights]),
             vertexShader,
             fragmentShader: fragmentShader(srbf.userData.isSheet === true),
@@ -159,22 +261,64 @@ export class SrbfMaterial extends THREE.ShaderMaterial {
         // Not merged: textures are not copied.
         Object.assign(this.uniforms, {
             srbfWords: { value: srbf },
-            environment: { value: environment ?? new THREE.DataTexture(new Uint8Array(4), 1, 1) },
-            environmentIntensity: { value: environment ? environmentIntensity : 0 },
-            draws: { value: environment ? draws : 0 },
+            environment: { value: black },
+            environmentTurn: { value: new THREE.Matrix3() },
+            environmentIntensity: { value: 0 },
+            draws: { value: 0 },
             frame: { value: 0 },
             tint: { value: new THREE.Color(tint) },
+            normalMap: { value: normalMap },
+            normalMapTransform: { value: new THREE.Matrix3() },
+            normalScale: { value: normalScale },
         });
-        this.isSrbfMaterial = true;
+        Object.assign(this, { isSrbfMaterial: true, normalMapType: THREE.TangentSpaceNormalMap, environment, environmentIntensity, draws, even });
     }
 
-    /** The number of the picture: its draws are its own. */
+    /** The number of the picture: its draws are its own. 0 is the one without noise. */
     get frame() { return this.uniforms.frame.value; }
     set frame(number) { this.uniforms.frame.value = number; }
 
     /** A colour that multiplies the value. */
     get tint() { return this.uniforms.tint.value; }
+
+    /** Slopes of the surface in its tangent frame, as those of MeshStandardMaterial; the geometry has an attribute `uv`. */
+    get normalMap() { return this.uniforms.normalMap?.value ?? null; }
+    set normalMap(map) {
+        if (!map !== !this.normalMap) this.needsUpdate = true;
+        this.uniforms.normalMap.value = map;
+    }
+
+    /** Two factors of the slopes of the normal map. */
+    get normalScale() { return this.uniforms.normalScale.value; }
+
+    /** Called by three.js before an object is drawn: finds the map of the scene. */
+    onBeforeRender(renderer, scene) {
+        const { uniforms, defines } = this;
+        const map = this.environment ?? scene?.environment ?? null, isCube = map?.isCubeTexture === true;
+        if (map?.mapping === CUBE_UV) throw new Error("environment: an equirectangular map or a cube is expected, and this is one of PMREMGenerator before r187");
+        for (const [name, is] of [["SRBF_CUBE", isCube], ["SRBF_PREFILTERED", isCube && map.isPMREMTexture === true]]) {
+            if (is === name in defines) continue;
+            if (is) defines[name] = 1;
+            else delete defines[name];
+            this.needsUpdate = true;
+        }
+        uniforms.environment.value = !map ? black : isCube ? map : withLevels(map);
+        uniforms.environmentIntensity.value = this.environmentIntensity * (this.environment ? 1 : (scene?.environmentIntensity ?? 1));
+        uniforms.draws.value = !map ? 0 : this.frame > 0 ? this.draws : this.even;
+        const { value } = uniforms.environmentTurn;
+        value.identity();
+        if (!this.environment && scene?.environmentRotation) value.setFromMatrix4(turn.makeRotationFromEuler(scene.environmentRotation)).transpose();
+        // Cubes of pictures are seen from outside.
+        if (isCube && map.isRenderTargetTexture !== true) for (const i of [0, 3, 6]) value.elements[i] *= -1;
+        if (this.normalMap) {
+            this.normalMap.updateMatrix();
+            uniforms.normalMapTransform.value.copy(this.normalMap.matrix);
+        }
+        this.uniformsNeedUpdate = true;
+    }
 }
+
+let pictures = 0; // that were drawn with random numbers
 
 /** The mean of pictures of a scene, linear, in a target of floats: noise of draws falls with their number. */
 export class Mean {
@@ -198,10 +342,14 @@ export class Mean {
 
     /** Adds a picture; materials draw anew. */
     add(renderer, scene, camera) {
-        scene.traverse((object) => { if (object.material?.isSrbfMaterial) object.material.frame += 1; });
+        const materials = new Set();
+        scene.traverse(({ material }) => [material].flat().forEach((one) => { if (one?.isSrbfMaterial) materials.add(one); }));
+        pictures += 1;
+        materials.forEach((material) => { material.frame = pictures; });
         const before = renderer.getRenderTarget();
         renderer.setRenderTarget(this.picture);
         renderer.render(scene, camera);
+        materials.forEach((material) => { material.frame = 0; });
         this.count += 1;
         [this.target, this.last] = [this.last, this.target];
         const { last, picture, share } = this.mix.uniforms;

@@ -11,6 +11,7 @@ mod encode;
 mod family;
 mod grid;
 mod report;
+mod rounds;
 mod samples;
 mod shape;
 mod start;
@@ -19,8 +20,10 @@ mod tuning;
 
 use crate::anisotropic::grid::{Grid, Layout, MIRRORS, Objective};
 pub(crate) use crate::anisotropic::report::judge as judge_turned;
+use crate::anisotropic::rounds::{Rounds, Solution};
 pub(crate) use crate::anisotropic::table::TurnedView;
 use crate::anisotropic::tuning::objective::{ENERGY, MEASURE, TAIL};
+use crate::anisotropic::tuning::rounds::MORE_ENERGY;
 use crate::anisotropic::tuning::views::{
     AT_STORED_VIEWS, AZIMUTHS, BETWEEN, EVERY, FEWEST_RINGS, FINE, IMPROVEMENT, MOST_RINGS, PAIRED, PER_CELL,
     REWEIGHED, RINGS, ROUGHNESS, SCOUTING, STARTS, STIFF,
@@ -101,7 +104,7 @@ pub(crate) fn fit_brdf(
     let view_angles: Vec<(f64, f64)> = (0..layout.stored_views()).map(|k| layout.views.angles(k)).collect();
     let mut views = table::tabulate(brdf, &view_angles, AT_STORED_VIEWS);
     let at_stored = views.clone();
-    views.extend(table::tabulate(brdf, &between(&layout.views), BETWEEN));
+    views.extend(table::tabulate(brdf, &between(&layout.views, 0), BETWEEN));
 
     let placed: Vec<_> =
         views.iter().map(|TurnedView { phi, view }| (layout.views.place(view.theta, *phi), view)).collect();
@@ -112,7 +115,8 @@ pub(crate) fn fit_brdf(
     let stiff = Weights { smoothness: STIFF * smoothness, ..weights };
     let thin = objective.clone().thinned(EVERY);
     let starts = settings.starts.min(STARTS);
-    let total = (SCOUTING + settings.steps + REWEIGHED * (settings.steps / 2)) as f64;
+    let rounds = REWEIGHED + Rounds::count(settings);
+    let total = (SCOUTING + settings.steps + rounds * (settings.steps / 2)) as f64;
     progress(0.0);
     let evaluations = AtomicUsize::new(0);
     let mut candidates: Vec<(f64, usize, Vec<f64>)> = (0..starts)
@@ -145,10 +149,12 @@ pub(crate) fn fit_brdf(
         ending = minimize(&Weighted { objective: &objective, weights }, &mut x, limits, &mut tick).1;
     }
 
-    let albedo: Vec<_> = placed.iter().map(|(place, view)| (*place, view.albedo)).collect();
-    balance::balance(&layout, &mut x, &albedo);
+    let emphasis = Emphasis { energy: MORE_ENERGY * emphasis.energy, ..emphasis };
+    let weights = Weights { energy: emphasis.energy, ..weights };
+    let rounds = Rounds { brdf, layout: &layout, emphasis, weights, settings };
+    let Solution { x, factors, ending } = rounds.run(Solution { x, factors: None, ending }, tick)?;
     let text = format!("{}{}", settings.provenance, describe(settings, &layout));
-    let bytes = encode::encode(&layout, &x, axis, &text)?;
+    let bytes = encode::encode(&layout, &x, factors.as_ref(), axis, &text)?;
     let held_out = table::tabulate(brdf, &middles(&layout.views), JUDGED);
     let judge = |views: &[TurnedView]| report::judge(&bytes, views, axis);
     let report = Report {
@@ -232,14 +238,16 @@ fn ring_angles(count: usize) -> Vec<f64> {
     (0..count).map(angle).collect()
 }
 
-/// Outgoing directions at irregular places of every cell, so that errors between stored views are met wherever they are.
-fn between(grid: &Grid) -> Vec<(f64, f64)> {
+/// Outgoing directions at irregular places of every cell, others in every round, so that errors between stored views are met wherever they
+/// are.
+fn between(grid: &Grid, round: usize) -> Vec<(f64, f64)> {
     let mut directions = Vec::new();
+    let first = round * (grid.thetas.len() - 1) * grid.cells();
     for (n, rings) in grid.thetas.windows(2).enumerate() {
         for cell in 0..grid.cells() {
             for i in 0..PER_CELL {
                 // The generalised golden ratio of two dimensions (Roberts 2018) fills a square evenly.
-                let index = ((n * grid.cells() + cell) * PER_CELL + i) as f64;
+                let index = ((first + n * grid.cells() + cell) * PER_CELL + i) as f64;
                 let (u, v) = ((0.754_877_666 * index).fract(), (0.569_840_291 * index).fract());
                 directions.push((rings[0] + u * (rings[1] - rings[0]), (cell as f64 + v) * grid.step()));
             }
@@ -274,8 +282,10 @@ fn describe(settings: &Settings, layout: &Layout) -> String {
 #[cfg(test)]
 pub(crate) mod tests {
     use super::*;
+    use crate::FactorNodes;
     use crate::analytic::lambert::Lambert;
     use crate::analytic::ward::Ward;
+    use crate::judge::fitted_material::TrackedView;
     use crate::judge::report::mean_error;
     use std::f64::consts::TAU;
 
@@ -291,7 +301,8 @@ pub(crate) mod tests {
 
     fn small() -> Settings {
         let view_angles = Some(vec![0.0, 0.35, 0.7, 1.0]);
-        Settings { lobes: 4, steps: 8, starts: 1, view_angles, ..Settings::default() }
+        let factors = FactorNodes::None;
+        Settings { lobes: 4, steps: 8, starts: 1, view_angles, factors, ..Settings::default() }
     }
 
     /// A black surface under another symmetry, a surface with holes: functions that callers may pass.
@@ -328,6 +339,44 @@ pub(crate) mod tests {
         let turned = Ward { alpha: [0.5, 0.2], ..ward };
         let views = table::tabulate(&turned, &[(0.8, 0.1)], AT_STORED_VIEWS);
         assert!(report::judge(&one.bytes, &views, 0.0).unwrap()[0].error > 0.2);
+    }
+
+    /// A sheen that depends on the half angle, on a brushed metal: no lobe makes it, a table does.
+    struct Ringed(Ward);
+    impl Brdf for Ringed {
+        fn evaluate(&self, wi: [f64; 3], wo: [f64; 3]) -> [f64; 3] {
+            let h = [0, 1, 2].map(|k| wi[k] + wo[k]);
+            let cos = h[2] / libm::sqrt(h.iter().map(|v| v * v).sum());
+            let ring = 1.0 + 0.6 * libm::cos(12.0 * libm::acos(cos.min(1.0)));
+            self.0.evaluate(wi, wo).map(|v| v * ring)
+        }
+        fn symmetry(&self) -> Symmetry {
+            self.0.symmetry()
+        }
+    }
+
+    #[test]
+    fn factors_have_what_lobes_cannot_and_the_albedo_is_theirs() {
+        let ringed = Ringed(Ward { diffuse: [0.4, 0.3, 0.2], specular: [0.2; 3], alpha: [0.2, 0.5] });
+        let fit = |factors| {
+            let settings = Settings { factors, ..small() };
+            fit_brdf(&ringed, &settings, &mut |_| {}).unwrap()
+        };
+        let (with, without) = (fit(FactorNodes::Given([16, 6, 1])), fit(FactorNodes::None));
+        let measure = |fit: &Fit| fit.report.held_out.iter().map(|v| v.measure).sum::<f64>();
+        println!("{} {}", measure(&with), measure(&without));
+        assert!(measure(&with) < 0.7 * measure(&without));
+        let material = srbf_core::Material::from_bytes(with.bytes.as_slice()).unwrap();
+        assert_eq!(material.factor_nodes(), Some([16, 6, 1]));
+        for view in &with.report.held_out {
+            // That of the judge is a mean over directions, which the stored one is held against.
+            let tracked = TrackedView::new(&material, view.theta, view.azimuth + PI).unwrap();
+            let stored = tracked.mixture.albedo().to_array();
+            for c in 0..3 {
+                assert!((view.albedo[c] / view.data_albedo[c] - 1.0).abs() < 0.05, "{view:?}");
+                assert!((f64::from(stored[c]) / view.albedo[c] - 1.0).abs() < 0.03, "{stored:?} {view:?}");
+            }
+        }
     }
 
     /// A brushed metal with a colour outside the gamut: where one channel is bright, another is negative.
@@ -402,7 +451,7 @@ pub(crate) mod tests {
         {
             let layout = layout(symmetry, &Settings::default());
             assert_eq!((layout.views.azimuths, layout.views.turns), (azimuths, turns));
-            for (theta, phi) in between(&layout.views) {
+            for (theta, phi) in between(&layout.views, 1) {
                 assert!((0.0..1.52).contains(&theta) && (0.0..TAU / turns as f64).contains(&phi));
             }
         }

@@ -1,6 +1,6 @@
 //! How many lobes: the fewest that reach an error.
 
-use crate::clock::Clock;
+use crate::clock::{Clock, rising};
 use crate::judge::report::mean_error;
 use crate::{Fit, FitError, Settings};
 
@@ -16,7 +16,7 @@ pub(crate) fn fewest_lobes(
     settings: &Settings,
     error: f64,
     mut progress: impl FnMut(f64) + Send,
-    mut fit: impl FnMut(&Settings) -> Result<Fit, FitError>,
+    fit: impl Fn(&Settings, &mut (dyn FnMut(f64) + Send)) -> Result<Fit, FitError>,
 ) -> Result<Fit, FitError> {
     let most = settings.lobes;
     // Doublings, then halvings of the interval.
@@ -24,9 +24,9 @@ pub(crate) fn fewest_lobes(
     let mut done = 0.0;
     let (start, mut evaluations) = (Clock::start(), 0);
     let mut with = |lobes: usize| {
-        let found = fit(&Settings { error: None, ..settings.with_lobes(lobes) })?;
+        let settings = Settings { error: None, ..settings.with_lobes(lobes) };
+        let found = fit(&settings, &mut rising(|share| progress(((done + share) / rounds).min(1.0))))?;
         done += 1.0;
-        progress((done / rounds).min(1.0));
         evaluations += found.report.evaluations;
         let reached = found.report.mean_error().max(mean_error(&found.report.held_out));
         Ok::<_, FitError>((found, reached))
@@ -56,6 +56,7 @@ pub(crate) fn fewest_lobes(
             too_few = middle;
         }
     }
+    progress(1.0);
     best.report.seconds = start.seconds();
     best.report.evaluations = evaluations;
     Ok(best)

@@ -191,8 +191,7 @@ impl Settings {
     pub(crate) fn check_anisotropic(&self) -> Result<(), FitError> {
         let reason = "for isotropic surfaces only, and this one is anisotropic";
         range("mirrored", self.mirrored.is_none(), reason)?;
-        range("exchanges", self.exchanges == Self::default().exchanges, reason)?;
-        range("factors", !matches!(self.factors, FactorNodes::Given(_) | FactorNodes::Signed(_)), reason)
+        range("exchanges", self.exchanges == Self::default().exchanges, reason)
     }
 
     /// Views of an isotropic material before few lobes, or mirrored pairs of them, get more.
@@ -318,7 +317,6 @@ mod tests {
         for (name, settings) in [
             ("mirrored", Settings { mirrored: Some(0), ..default() }),
             ("exchanges", Settings { exchanges: 3, ..default() }),
-            ("factors", Settings { factors: FactorNodes::Given([4, 3, 1]), ..default() }),
         ] {
             let error = settings.check_anisotropic().unwrap_err().to_string();
             assert!(error.contains(name) && error.contains("anisotropic"), "{error}");

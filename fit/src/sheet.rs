@@ -25,6 +25,9 @@ const ANGLES: [f64; 9] = [0.0, 10.0, 20.0, 30.0, 40.0, 50.0, 60.0, 70.0, 80.0];
 /// The largest share of the light that samples may reflect and transmit together: rounding, and the noise of a fit.
 const MOST: f64 = 1.002;
 
+/// The share of the work that the first fit of samples is; the rest is for a second one, with lower values.
+const FIRST: f64 = 0.5;
+
 /// A sheet, and how well its quarters fit.
 #[derive(Debug)]
 pub struct SheetFit {
@@ -65,7 +68,7 @@ pub struct Light {
 /// Fits all quarters of a sheet.
 ///
 /// Samples that reflect and transmit more than the light that falls on them are fitted once more, with lower values. `progress` is called
-/// with the share of the work that is done, 0 to 1.
+/// with the share of the work that is done, 0 to 1; it never falls.
 ///
 /// # Errors
 /// As [`fit_source`].
@@ -74,12 +77,20 @@ pub fn fit_sheet(
     settings: &Settings,
     mut progress: impl FnMut(f64) + Send,
 ) -> Result<SheetFit, FitError> {
-    let fit = fit_once(sheet, settings, &mut progress)?;
+    // Samples alone are fitted once more.
+    let first = if sheet.window().is_some() { 1.0 } else { FIRST };
+    let fit = fit_once(sheet, settings, |share| progress(first * share))?;
     let most = fit.sides.iter().flatten().map(|light| light.fit[0] + light.fit[1]).fold(0.0, f64::max);
     let scale = 1.0 / most;
     match if most > MOST { sheet.dimmed(scale)? } else { None } {
-        Some(dimmed) => Ok(SheetFit { scale, ..fit_once(&dimmed, settings, &mut progress)? }),
-        None => Ok(fit),
+        Some(dimmed) => {
+            let again = |share| progress(first + (1.0 - first) * share);
+            Ok(SheetFit { scale, ..fit_once(&dimmed, settings, again)? })
+        }
+        None => {
+            progress(1.0);
+            Ok(fit)
+        }
     }
 }
 

@@ -90,15 +90,8 @@ fn values_are_continuous_in_the_outgoing_direction() {
     }
 }
 
-/// The same input gives the same bytes, whatever the threads do. A short fit goes through all stages.
-#[test]
-#[ignore = "needs SRBF_DATA_DIR"]
-fn fits_repeat() {
-    let short = || Settings { starts: 4, exchanges: 2, steps: 40, ..Settings::default() };
-    assert_eq!(fitted_with("cayman", short()).bytes, fitted_with("cayman", short()).bytes);
-}
-
-/// The committed presets follow from the measurements; `cargo lab presets` makes them.
+/// The committed presets follow from the measurements; `cargo lab presets` makes them. So the same input gives the same bytes, whatever
+/// the threads do.
 #[test]
 #[ignore = "needs SRBF_DATA_DIR"]
 fn presets_are_fits_of_the_measurements() {

@@ -29,8 +29,8 @@ use std::time::Instant;
 /// Compares samplers alone, with a sample of the light, and by even sums: after the same time and after the same samples.
 ///
 /// SRBF_DATA_DIR names the folder of the measurements. Four materials, as lobes and as the table that they were fitted to, in five scenes
-/// and under three maps, with Sobol points and with random numbers. Writes OUT.md, OUT.html, OUT.csv and OUT.points.csv; a quarter of an hour on two
-/// processors that nothing else uses.
+/// and under three maps, with Sobol points and with random numbers. Writes OUT.md, OUT.html, OUT.csv, OUT.points.csv, and
+/// OUT.summary.csv, which docs/figures has as error-against-time.csv; a quarter of an hour on two processors that nothing else uses.
 #[derive(Debug, clap::Args)]
 pub struct Args {
     /// The folder of fits, NAME.srbf, and of references; missing ones are made and kept there
@@ -63,7 +63,7 @@ pub struct Args {
 }
 
 /// Measured materials: their names, and their places in the data folder.
-const MATERIALS: [(&str, &str); 4] = [
+pub const MATERIALS: [(&str, &str); 4] = [
     ("garnet_red", "cornell/garnet_red.brdf"),
     ("cayman", "cornell/cayman.brdf"),
     ("vch_golden_yellow_rgb", "rgl/vch_golden_yellow_rgb.bsdf"),
@@ -170,8 +170,9 @@ pub fn run(args: &Args) -> anyhow::Result<()> {
     for name in method_names(&args.samplers) {
         name.parse::<Method>().map_err(|error| anyhow::anyhow!("--samplers: {name}: {error}"))?;
     }
-    let [csv, html, points] = ["csv", "html", "points.csv"].map(|end| args.output.with_extension(end));
-    output::check_places(&[&args.output, &csv, &html, &points])?;
+    let ends = ["csv", "html", "points.csv", "summary.csv"];
+    let [csv, html, points, summary] = ends.map(|end| args.output.with_extension(end));
+    output::check_places(&[&args.output, &csv, &html, &points, &summary])?;
     let (start, commit) = (Instant::now(), text::commit());
     let data = argument::data_folder()?;
     let is_asked =
@@ -196,7 +197,7 @@ pub fn run(args: &Args) -> anyhow::Result<()> {
     let mut measured = Vec::new();
     for (name, file) in materials {
         let file = data.join(file).to_string_lossy().into_owned();
-        let lobes = lobes(args, name, &file)?;
+        let lobes = lobes(&args.fits, name, &file)?;
         for rendered in [Rendered::Lobes, Rendered::Table] {
             // Read, and completed, once for all scenes.
             let mut object = match rendered {
@@ -225,11 +226,12 @@ pub fn run(args: &Args) -> anyhow::Result<()> {
                 let comparisons: Vec<Comparison> = measured.iter().map(Measured::named).collect();
                 report::write_csv(&points, &comparisons)?;
                 output::write(&csv, &page.csv()?)?;
+                output::write(&summary, &page.summary_csv()?)?;
                 files.commit()?;
             }
         }
     }
-    let files = [&args.output, &html, &csv, &points].map(|path| path.display().to_string());
+    let files = [&args.output, &html, &csv, &points, &summary].map(|path| path.display().to_string());
     println!("wrote {}", files.join(", "));
     Ok(())
 }
@@ -296,11 +298,11 @@ fn measure(
 }
 
 /// The lobes of a material: a preset, a fit that was kept, or a fit that is made and kept.
-fn lobes(args: &Args, name: &str, file: &str) -> anyhow::Result<StoredMaterial> {
+pub fn lobes(fits: &Path, name: &str, file: &str) -> anyhow::Result<StoredMaterial> {
     if PRESETS.iter().any(|preset| preset.0 == name) {
         return StoredMaterial::load(name);
     }
-    let kept = args.fits.join(name).with_extension("srbf");
+    let kept = fits.join(name).with_extension("srbf");
     if !kept.exists() {
         let progress = Progress::new(&format!("fitting {name}"), 1000);
         let mut done = 0;

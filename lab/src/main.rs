@@ -6,6 +6,8 @@
 #[macro_use(print, println)]
 extern crate srbf_reference_renderer;
 
+mod any_light;
+mod baselines;
 mod bench_report;
 mod equal_time;
 mod figures;
@@ -53,6 +55,8 @@ enum Command {
     ThesisTable(thesis_table::Args),
     Turns(turns::Args),
     Forms(forms::Args),
+    AnyLight(any_light::Args),
+    Baselines(baselines::Args),
     EqualTime(equal_time::Args),
     Stability(stability::Args),
     Stated(stated::Args),
@@ -80,6 +84,8 @@ fn main() -> ExitCode {
             Command::ThesisTable(args) => thesis_table::run(args),
             Command::Turns(args) => turns::run(&args),
             Command::Forms(args) => forms::run(&args),
+            Command::AnyLight(args) => any_light::run(&args),
+            Command::Baselines(args) => baselines::run(&args),
             Command::EqualTime(args) => equal_time::run(&args),
             Command::Stability(args) => stability::run(args),
             Command::Stated(args) => stated::run(&args),

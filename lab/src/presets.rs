@@ -22,6 +22,16 @@ const PRESETS: [(&str, &str, &str); 3] = [
     ("cayman", "cornell/cayman.brdf", "Ford Cayman metallic lacquer: high gloss"),
 ];
 
+/// Materials that the page of the browser begins with: name and model. The paint is one of MERL's, by the fit of Bagher et al. (2012).
+const KNOWN: [(&str, &str); 3] = [
+    ("gold", "model:ggx:alpha=0.12,f0=1.0/0.766/0.336"),
+    ("car_paint", "model:sgd:name=red-metallic-paint"),
+    ("velvet", "model:sheen:alpha=0.35,tint=0.5/0.03/0.08"),
+];
+
+/// Lobes of each.
+const KNOWN_LOBES: usize = 8;
+
 /// The quarters of ground glass: reflection of the rough front, transmission seen from there and from behind. The smooth back reflects as
 /// a mirror, which is no lobe.
 const GROUND_GLASS: [Option<&str>; 4] = [
@@ -73,6 +83,16 @@ pub fn run(args: Args) -> anyhow::Result<()> {
             errors.join(" ")
         )?;
         made.push((args.out.join(name).with_extension("srbf"), fit.bytes));
+    }
+    for (name, model) in KNOWN {
+        let settings = Settings { lobes: KNOWN_LOBES, factors: FactorNodes::None, ..Settings::default() };
+        let fit = fit_file(model.as_ref(), settings, "")?;
+        println!(
+            "{name}: {} bytes, mean relative L2 {:.2} %",
+            fit.bytes.len(),
+            100.0 * fit.report.mean_error()
+        );
+        made.push((args.out.join("known").join(name).with_extension("srbf"), fit.bytes));
     }
     let (glass, error) = ground_glass()?;
     println!(
@@ -136,6 +156,9 @@ beyond 80 is what `srbf fit` completes them to.
 
 `sheets/ground_glass.srbf` is a sheet, for the examples of [sheets](../docs/sheets.md), and is not in the program: light through a plate that is rough in
 front, by a model (Walter et al. 2007); {glass}.
+
+The materials in `known/` are models with 8 lobes, for the page of the browser: gold and velvet by formulas, and `red-metallic-paint`, a
+material of MERL, by the published fit of Bagher et al. (2012).
 
 This folder is made by `SRBF_DATA_DIR=... cargo lab presets`; `cargo lab presets --check` compares. The fit uses no function of the
 platform's C library, and no order that depends on threads. So the bytes are the same on every machine with IEEE arithmetic.

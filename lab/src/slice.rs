@@ -1,4 +1,4 @@
-//! `srbf-lab slice`: the lobes of a material over a slice of its BRDF, as the README shows them.
+//! `srbf-lab slice`: the lobes of a material over a slice of its BRDF, as docs/start.md shows them.
 
 use anyhow::{anyhow, ensure};
 use plotters::prelude::*;

@@ -93,20 +93,36 @@ struct Candidate {
     rank: f64,
 }
 
-/// Least number of samples: as many as the model has unknowns in one channel.
+/// Least number of samples in different directions: as many as the model has unknowns in one channel.
 const FEWEST: usize = 5;
+
+/// Directions that are closer than one over this are one.
+const CLOSE: f64 = 1e4;
 
 /// Completes the samples of a table.
 ///
 /// # Errors
-/// [`FitError::Table`] for fewer than five samples, and for some that are black, or darker than lobes can be.
+/// [`FitError::Table`] for samples in fewer than five pairs of directions, and for some that are black, or darker than lobes can be.
 pub fn complete(table: &Table) -> Result<Completion, FitError> {
     let samples = || table.views.iter().flat_map(|view| &view.samples);
-    let count = samples().count();
-    if count < FEWEST {
-        let s = if count == 1 { "" } else { "s" };
+    let place = |theta: f64, [x, y, _]: [f64; 3]| [theta, x, y].map(|v| libm::round(CLOSE * v) as i64);
+    let (mut count, mut found) = (0, Vec::new());
+    for view in &table.views {
+        count += view.samples.len();
+        for place in view.samples.iter().map(|sample| place(view.theta, sample.direction)) {
+            if found.len() < FEWEST && !found.contains(&place) {
+                found.push(place);
+            }
+        }
+    }
+    let places = found.len();
+    if places < FEWEST {
+        let s = |n: usize| if n == 1 { "" } else { "s" };
+        let all = format!("{count} sample{}", s(count));
+        let of =
+            if places < count { format!("{all} at {places} pair{} of directions", s(places)) } else { all };
         return Err(FitError::Table(format!(
-            "{count} sample{s}; a diffuse term and a highlight need {FEWEST} at least"
+            "{of}; a diffuse term and a highlight need {FEWEST} at least, in different directions"
         )));
     }
     check_storable(samples())?;

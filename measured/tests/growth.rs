@@ -86,6 +86,12 @@ fn lines_of_samples() {
             writeln!(text, "{},10,{},0.1", 80.0 * x, 380.0 + 400.0 * x).unwrap();
         })
     });
+    // Close ones count as one: triangles between all would take a minute.
+    grows_with("the plane of incidence", 100_000, |n| {
+        lines("theta_i,theta_o,phi_i,value", n, &|x, text| {
+            writeln!(text, "{},10,{},0.1", 85.0 * x, f64::from(180 * ((1e6 * x) as u32 % 2))).unwrap();
+        })
+    });
     // All samples have the same x.
     grows_with("the plane across that of incidence", 25_000, |n| {
         lines("theta_i,phi_i,theta_o,phi_o,value", n, &|x, text| {

@@ -13,9 +13,9 @@ the BRDF times the cosine of `wi`, in linear sRGB, 1/sr. Densities are per solid
 `srbf_brdf.mitsuba.register()` makes a material a BSDF of Mitsuba 3.
 """
 
-from ._native import FitError, Material, Sheet, Table, __version__, fit, fit_sheet, read, table
+from ._native import Blend, FitError, Material, Sheet, Table, __version__, fit, fit_sheet, read, table
 from .types import Comparison, Primaries, Sample
 
-__all__ = ["Comparison", "FitError", "Material", "Primaries", "Sample", "Sheet", "Table", "__version__", "fit", "fit_sheet", "load", "read", "table"]
+__all__ = ["Blend", "Comparison", "FitError", "Material", "Primaries", "Sample", "Sheet", "Table", "__version__", "fit", "fit_sheet", "load", "read", "table"]
 
 load = Material.load

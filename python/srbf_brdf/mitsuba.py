@@ -6,14 +6,16 @@
     srbf_brdf.mitsuba.register()
     bsdf = mi.load_dict({"type": "srbf", "filename": "paint.srbf"})
 
-In the variants of Dr.Jit (LLVM, CUDA, with derivatives) it is traced and runs where they run; in scalar variants the library itself is called. Colours
-are linear sRGB, or their luminance in monochrome variants. Spectral variants have the spectra of the colours: those that the fit keeps of measured
-wavelengths, or smooth ones. Polarized variants have light that leaves without polarization.
+In the variants of Dr.Jit (LLVM, CUDA, with derivatives) it is traced and runs where they run. In scalar variants a plugin in C++ runs, once
+`python -m srbf_brdf.scalar` has compiled it; until then, and for sheets, Python is called at each hit. Colours are linear sRGB, or their
+luminance in monochrome variants. Spectral variants have the spectra of the colours:
+those that the fit keeps of measured wavelengths, or smooth ones. Polarized variants have light that leaves without polarization.
 
 | parameter | type | |
 |---|---|---|
 | `filename` | string | the `.srbf` file: of a material, which has a front; or of a sheet, which reflects and transmits on both sides |
 | `tint` | colour or texture | multiplies the value, not the density; 1 by default; differentiable |
+| `clamp` | boolean | whether channels below 0, of colours outside the gamut, are 0; by default in `scalar_rgb`, which warns of each such sample |
 
 Two materials are blended by Mitsuba's own `blendbsdf`, whose `weight` may be a texture and is differentiable.
 """
@@ -24,19 +26,29 @@ import math
 
 import numpy as np
 
+from . import scalar
 from ._native import Material, Sheet
 
 LUMINANCE = (0.2126, 0.7152, 0.0722)
 
 
-def register(name: str = "srbf") -> None:
-    """Registers the BSDF under a name, for the variant that is set."""
+def register(name: str = "srbf", compiled: bool | None = None) -> None:
+    """Registers the BSDF under a name, for the variant that is set.
+
+    `compiled` is of scalar variants: None takes the plugin that `python -m srbf_brdf.scalar` makes where it is there, True demands it,
+    False leaves it.
+    """
     import mitsuba as mi
 
     variant = mi.variant()
     if variant is None:
         raise RuntimeError("a variant has to be set first: mitsuba.set_variant('llvm_ad_rgb')")
-    of_material = _scalar_class(mi) if variant.startswith("scalar") else _traced_class(mi)
+    if not variant.startswith("scalar"):
+        of_material = _traced_class(mi)
+    elif compiled and not scalar.is_built():
+        raise RuntimeError("no plugin for this version of Mitsuba: `python -m srbf_brdf.scalar` compiles it")
+    else:
+        of_material = _scalar_class(mi) if compiled is False or not scalar.is_built() else _compiled
     of_sheet = _sheet_class(mi, of_material)
 
     def make(props):
@@ -63,6 +75,22 @@ def _path(props) -> str:
     return path
 
 
+def _tint(props):
+    return props.get_texture("tint", 1.0) if hasattr(props, "get_texture") else props.texture("tint", 1.0)
+
+
+def _clamp(mi, props):
+    """Whether channels below 0 are 0: where it is not said, in scalar variants of colours alone, which warn of each such sample."""
+    return bool(props["clamp"]) if "clamp" in props else mi.variant().startswith("scalar") and not mi.is_spectral
+
+
+def _compiled(props, material):
+    """For scalar variants: the plugin in C++, which `python -m srbf_brdf.scalar` has made."""
+    import mitsuba as mi
+
+    return scalar.load(mi, material, tint=_tint(props), clamp=_clamp(mi, props))
+
+
 def _flags(mi, material):
     flags = mi.BSDFFlags.GlossyReflection | mi.BSDFFlags.FrontSide
     return flags if material.is_isotropic else flags | mi.BSDFFlags.Anisotropic
@@ -84,7 +112,7 @@ def _scalar_class(mi):
         def __init__(self, props, material):
             mi.BSDF.__init__(self, props)
             self.material = material
-            self.tint = props.get_texture("tint", 1.0) if hasattr(props, "get_texture") else props.texture("tint", 1.0)
+            self.tint, self.clamp = _tint(props), _clamp(mi, props)
             flags = _flags(mi, self.material)
             self.m_components, self.m_flags = [flags], flags
 
@@ -93,10 +121,11 @@ def _scalar_class(mi):
 
         def _spectrum(self, si, rgb, active):
             if mi.is_monochromatic:
-                return mi.Spectrum(float(np.dot(rgb, LUMINANCE))) * self.tint.eval_1(si, active)
-            if mi.is_spectral:
+                rgb = [np.dot(rgb, LUMINANCE)]
+            elif mi.is_spectral:
                 rgb = self.material.primaries(list(si.wavelengths)).of(rgb)
-            return _unpolarized(mi, mi.UnpolarizedSpectrum(*map(float, rgb)) * self.tint.eval(si, active))
+            value = mi.UnpolarizedSpectrum(*map(float, np.maximum(rgb, 0) if self.clamp else rgb))
+            return _unpolarized(mi, value * (self.tint.eval_1(si, active) if mi.is_monochromatic else self.tint.eval(si, active)))
 
         def eval_pdf(self, ctx, si, wo, active=True):
             if not active or si.wi.z <= 0 or wo.z <= 0:
@@ -119,20 +148,15 @@ def _scalar_class(mi):
             bs.wo, bs.pdf = mi.Vector3f(*map(float, drawn.direction)), float(drawn.pdf)
             return bs, self._spectrum(si, drawn.weight, active)
 
+        def eval_diffuse_reflectance(self, si, active=True):
+            if not active or si.wi.z <= 0:
+                return mi.Spectrum(0.0)
+            return self._spectrum(si, self.material.albedo(list(si.wi)), active)
+
         def to_string(self):
             return f"Srbf[{self.material!r}]"
 
     return ScalarSrbf
-
-
-class _Lobe:
-    """A lobe of a mixture, as Dr.Jit sees it."""
-
-    __slots__ = ("axis", "sharpness", "y", "colour", "is_squeezed", "power")
-
-    def __init__(self, axis, sharpness, y, colour, is_squeezed, power):
-        self.axis, self.sharpness, self.y, self.colour = axis, sharpness, y, colour
-        self.is_squeezed, self.power = is_squeezed, power
 
 
 def _traced_class(mi):
@@ -156,7 +180,7 @@ def _traced_class(mi):
         def __init__(self, props, material):
             mi.BSDF.__init__(self, props)
             self.material = material
-            self.tint = props.get_texture("tint", 1.0) if hasattr(props, "get_texture") else props.texture("tint", 1.0)
+            self.tint, self.clamp = _tint(props), _clamp(mi, props)
             self.has_tint = "tint" in props
             flags = _flags(mi, material)
             self.m_components, self.m_flags = [flags], flags
@@ -164,6 +188,7 @@ def _traced_class(mi):
             views, lobes = a["log2_sharpness"].shape
             self.is_line = material.is_isotropic
             self.lobes, self.squeezed, self.mirrored, self.views = lobes, a["squeezed"], a["mirrored"], views
+            self.count = lobes + self.mirrored
             # Rows of four numbers, which one gather takes: those of a view alone, then those of each lobe.
             self.stride = 2 * (1 + lobes)
             rows = np.zeros((views, 1 + lobes, 8), np.float32)
@@ -188,6 +213,9 @@ def _traced_class(mi):
             nodes = np.zeros((*self.nodes_shape, 4), np.float32)
             nodes[..., :3] = a["factors"]
             self.nodes = Float(nodes.ravel()) if nodes.size else None
+            differences = np.zeros((len(a["albedo_difference"]), 4), np.float32)
+            differences[:, :3] = a["albedo_difference"]
+            self.differences = Float(differences.ravel()) if differences.size else None
             self.has_sign = material.has_signed_factors
             columns = material.primaries(np.arange(FIRST, LAST + STEP, STEP)).columns
             self.columns = Float(columns.ravel()) if mi.is_spectral else None
@@ -289,77 +317,79 @@ def _traced_class(mi):
                 reach = dr.select(half < 0, -reach, reach)
                 squeeze = (exp2(middle + reach), exp2(middle - reach))
                 tilt = (tilt_cos, tilt_sin)
-            diffuse_y = exp2(head.x)
-            lobes, images = [], []
-            for k in range(self.lobes):
-                row = 2 + 2 * k
-                a, b = self._interpolated(place, row, active), self._interpolated(place, row + 1, active)
-                is_squeezed = k < self.squeezed
-                axes = []
-                if self.is_line:
-                    sin_a, cos_a = dr.sincos(a.x)
-                    if k < self.lobes - self.mirrored:
-                        axes.append(Vector3f(sin_a, 0, dr.abs(cos_a)))
-                    else:
-                        sin_o, cos_o = dr.sincos(a.y)
-                        axes += [Vector3f(sin_a * cos_o, sign * sin_o, dr.abs(cos_a * cos_o)) for sign in (1, -1)]
-                else:
-                    turn = place["is_normal"]
-                    along, across = place["along"]
-                    x = dr.select(turn, a.x * along + a.y * across, a.x)
-                    y = dr.select(turn, a.y * along - a.x * across, a.y)
-                    far, far_b = self._beyond(place, row, active), self._beyond(place, row + 1, active)
-                    x, y = dr.lerp(x, far.x, outward), dr.lerp(y, far.y, outward) * image
-                    a, b = dr.lerp(a, far, outward), dr.lerp(b, far_b, outward)
-                    angle = dr.sqrt(dr.fma(x, x, y * y))
-                    sin_a, cos_a = dr.sincos(angle)
-                    scale = sin_a / dr.maximum(angle, 1e-30)
-                    axis = Vector3f((x * tilt[0] + y * tilt[1]) * scale, (y * tilt[0] - x * tilt[1]) * scale, dr.abs(cos_a))
-                    if is_squeezed:
-                        axis = dr.normalize(Vector3f(axis.x * squeeze[0], axis.y * squeeze[1], axis.z))
-                    axes.append(axis)
-                sharpness = dr.maximum(exp2(a.z), 1e-7)
-                y, rgb = exp2(a.w), colour(b.x, b.y)
-                power = y * (2 * dr.pi) * inside(sharpness) / sharpness
-                made = [_Lobe(axis, sharpness, y, rgb, is_squeezed, power) for axis in axes]
-                lobes.append(made[0])
-                images += made[1:]
-            # In the order of the library, so that the same numbers draw the same directions.
-            lobes += images
             frame = (c, s) if tilt is None else (c * tilt[0] - s * tilt[1], s * tilt[0] + c * tilt[1])
-            power = diffuse_y
-            for lobe in lobes:
-                power = power + lobe.power
-            return frame, squeeze, diffuse_y, colour(head.y, head.z), lobes, power
+            return {"place": place, "squeeze": squeeze, "tilt": tilt, "frame": frame, "head": head, "diffuse": exp2(head.x), "active": active}
+
+        def _over_lobes(self, body, known, *sums):
+            """The sums that a body makes, lobe by lobe: a loop of Dr.Jit, so that the code is as long for one lobe as for many."""
+            step = lambda k, known, *sums: (k + 1, known, *body(k, known, *sums))
+            # Derivatives need the body's knowledge among its arguments, and sums that begin with 0: their order does not matter then.
+            state, labels = (UInt32(0), known, *sums), ("k", "known", *map(str, range(len(sums))))
+            return dr.while_loop(state, lambda k, *_: k < self.count, step, labels=labels, max_iterations=-1)[2:]
+
+        def _lobe(self, mixture, k):
+            """Axis, sharpness, luminance, the rest of the row with the colour, power, and whether it is squeezed."""
+            place, squeeze, tilt, active = (mixture[name] for name in ("place", "squeeze", "tilt", "active"))
+            # The second images of mirrored lobes are last.
+            own = dr.select(k < self.lobes, k, k - self.mirrored) if self.mirrored else k
+            a, b = (self._interpolated(place, 2 + 2 * own + n, active) for n in (0, 1))
+            is_squeezed = own < self.squeezed
+            if self.is_line:
+                sin_a, cos_a = dr.sincos(a.x)
+                if self.mirrored:
+                    sin_o, cos_o = dr.sincos(dr.select(own < self.lobes - self.mirrored, 0, a.y))
+                    axis = Vector3f(sin_a * cos_o, dr.select(k < self.lobes, sin_o, -sin_o), dr.abs(cos_a * cos_o))
+                else:
+                    axis = Vector3f(sin_a, 0, dr.abs(cos_a))
+            else:
+                turn, outward = place["is_normal"], place["outward"]
+                along, across = place["along"]
+                x = dr.select(turn, a.x * along + a.y * across, a.x)
+                y = dr.select(turn, a.y * along - a.x * across, a.y)
+                far, far_b = (self._beyond(place, 2 + 2 * own + n, active) for n in (0, 1))
+                x, y = dr.lerp(x, far.x, outward), dr.lerp(y, far.y, outward) * place["image"]
+                a, b = dr.lerp(a, far, outward), dr.lerp(b, far_b, outward)
+                angle = dr.sqrt(dr.fma(x, x, y * y))
+                sin_a, cos_a = dr.sincos(angle)
+                scale = sin_a / dr.maximum(angle, 1e-30)
+                axis = Vector3f((x * tilt[0] + y * tilt[1]) * scale, (y * tilt[0] - x * tilt[1]) * scale, dr.abs(cos_a))
+                if self.squeezed:
+                    axis = dr.select(is_squeezed, dr.normalize(self._squeezed(axis, squeeze)), axis)
+            sharpness = dr.maximum(exp2(a.z), 1e-7)
+            y = exp2(a.w)
+            power = y * (2 * dr.pi) * inside(sharpness) / sharpness
+            return axis, sharpness, y, colour(b.x, b.y), power, is_squeezed
 
         def _squeezed(self, d, squeeze):
             return Vector3f(d.x if squeeze[0] is None else d.x * squeeze[0], d.y * squeeze[1], d.z)
 
         def _value(self, mixture, wi):
-            """The value of the lobes without factors, and its luminance."""
-            (c, s), squeeze, diffuse_y, diffuse, lobes, _ = mixture
+            """The value of the lobes without factors, its luminance, and the power of all lobes."""
+            (c, s), squeeze = mixture["frame"], mixture["squeeze"]
             d = Vector3f(dr.fma(wi.x, c, wi.y * s), dr.fma(wi.y, c, -wi.x * s), wi.z)
             u = self._squeezed(d, squeeze)
             length2 = dr.squared_norm(u)
             inverse = dr.rsqrt(length2)
-            inverse2 = inverse * inverse
             length = length2 * inverse
-            scale = inverse2 * inverse * (squeeze[1] if squeeze[0] is None else squeeze[0] * squeeze[1])
-            y = diffuse_y * wi.z * dr.inv_pi
-            value = diffuse * y
-            for lobe in lobes:
-                e = dr.fma(-lobe.axis, length, u) if lobe.is_squeezed else d - lobe.axis
-                rate = lobe.sharpness * (-0.5 / math.log(2))
-                height = wi.z * lobe.axis.z
-                t = rate * dr.squared_norm(e)
-                if lobe.is_squeezed:
-                    t, height = t * inverse2, height * inverse
-                g = lobe.y * dr.fma(exp2(t), exp2(4 * rate * height), exp2(t))
-                if lobe.is_squeezed:
-                    g *= scale
-                y += g
-                value = dr.fma(lobe.colour, g, value)
-            return value, y
+            scale = inverse * inverse * inverse * (squeeze[1] if squeeze[0] is None else squeeze[0] * squeeze[1])
+
+            def add(k, known, value, y, power):
+                mixture, d, u, length, inverse, scale = known
+                axis, sharpness, height, rgb, own, is_squeezed = self._lobe(mixture, k)
+                e = dr.select(is_squeezed, dr.fma(-axis, length, u), d - axis)
+                rate = sharpness * (-0.5 / math.log(2))
+                t = rate * dr.squared_norm(e) * dr.select(is_squeezed, inverse * inverse, 1)
+                up = d.z * axis.z * dr.select(is_squeezed, inverse, 1)
+                g = height * dr.fma(exp2(t), exp2(4 * rate * up), exp2(t)) * dr.select(is_squeezed, scale, 1)
+                return dr.fma(rgb, g, value), y + g, power + own
+
+            value, y, power = self._over_lobes(add, (mixture, d, u, length, inverse, scale), Color3f(0), Float(0), Float(0))
+            flat = mixture["diffuse"] * wi.z * dr.inv_pi
+            return dr.fma(self._diffuse(mixture), flat, value), y + flat, power + mixture["diffuse"]
+
+        @staticmethod
+        def _diffuse(mixture):
+            return colour(mixture["head"].y, mixture["head"].z)
 
         def _factor(self, wo, wi, active):
             """The factors on the lobes, over (1 - h.z)^(1/4), (1 - h.wo)^(1/2) and the squared cosine of the azimuth."""
@@ -390,14 +420,17 @@ def _traced_class(mi):
                 found = dr.lerp(plane(first + k * size), plane(first + (k + 1) * size), c - k)
             return Color3f(found.x, found.y, found.z)
 
-        def _spectrum(self, si, value, wi, active):
-            if self.nodes is not None:
-                value = value * self._factor(si.wi, wi, active)
+        def _with_factors(self, wo, wi, value, active):
+            return value if self.nodes is None else value * self._factor(wo, wi, active)
+
+        def _spectrum(self, si, value, active):
             if mi.is_monochromatic:
                 grey = mi.UnpolarizedSpectrum(dr.dot(Vector3f(value), Vector3f(LUMINANCE)))
-                return _unpolarized(mi, grey * self.tint.eval_1(si, active))
+                return _unpolarized(mi, (dr.maximum(grey, 0) if self.clamp else grey) * self.tint.eval_1(si, active))
             if mi.is_spectral:
                 value = self._spectral(si, value, active)
+            if self.clamp:
+                value = dr.maximum(value, 0)
             return _unpolarized(mi, value * self.tint.eval(si, active) if self.has_tint else value)
 
         def _spectral(self, si, rgb, active):
@@ -417,9 +450,8 @@ def _traced_class(mi):
 
         def eval_pdf(self, ctx, si, wo, active=True):
             active = active & (mi.Frame3f.cos_theta(si.wi) > 0) & (mi.Frame3f.cos_theta(wo) > 0)
-            mixture = self._mixture(si.wi, active)
-            value, y = self._value(mixture, wo)
-            return self._spectrum(si, value, wo, active) & active, dr.select(active, y / mixture[-1], 0)
+            value, y, power = self._value(self._mixture(si.wi, active), wo)
+            return self._spectrum(si, self._with_factors(si.wi, wo, value, active), active) & active, dr.select(active, y / power, 0)
 
         def eval(self, ctx, si, wo, active=True):
             return self.eval_pdf(ctx, si, wo, active)[0]
@@ -427,21 +459,45 @@ def _traced_class(mi):
         def pdf(self, ctx, si, wo, active=True):
             return self.eval_pdf(ctx, si, wo, active)[1]
 
+        def eval_diffuse_reflectance(self, si, active=True):
+            """The albedo: of light from everywhere, the share that leaves towards the viewer."""
+            active = active & (mi.Frame3f.cos_theta(si.wi) > 0)
+            mixture = self._mixture(si.wi, active)
+
+            def add(k, mixture, albedo, power):
+                _, _, _, rgb, own, _ = self._lobe(mixture, k)
+                return dr.fma(rgb, own, albedo), power + own
+
+            albedo, power = self._over_lobes(add, mixture, Color3f(0), Float(0))
+            albedo, power = dr.fma(self._diffuse(mixture), mixture["diffuse"], albedo), power + mixture["diffuse"]
+            if self.differences is not None:
+                place, rows = mixture["place"], [dr.gather(Vector4f, self.differences, view, active) for view in mixture["place"]["views"]]
+                difference = dr.lerp(rows[0], rows[1], place["onward"])
+                if not self.is_line:
+                    difference = dr.lerp(difference, dr.lerp(rows[2], rows[3], place["onward"]), place["outward"])
+                albedo = dr.fma(Color3f(difference.x, difference.y, difference.z), power, albedo)
+            return self._spectrum(si, albedo, active) & active
+
         def sample(self, ctx, si, sample1, sample2, active=True):
             active = active & (mi.Frame3f.cos_theta(si.wi) > 0)
             mixture = self._mixture(si.wi, active)
-            (c, s), squeeze, diffuse_y, _, lobes, power = mixture
-            # The lobe, by a running sum; the rest is the diffuse term.
+            (c, s), squeeze = mixture["frame"], mixture["squeeze"]
+            # The lobe, by a running sum of powers; the rest is the diffuse term.
+            power_to = lambda k, known, power: power + self._lobe(known, k)[4]
+            known = dr.detach(mixture)
+            (power,) = self._over_lobes(lambda *state: (power_to(*state),), known, Float(0))
+            power += known["diffuse"]
             goal = sample1 * power
-            axis, sharpness, is_lobe, is_squeezed = Vector3f(0, 0, 1), Float(1), mi.Bool(False), mi.Bool(False)
-            total = Float(0)
-            for lobe in lobes:
-                total = total + lobe.power
-                here = ~is_lobe & (goal < total)
-                axis, sharpness = dr.select(here, lobe.axis, axis), dr.select(here, lobe.sharpness, sharpness)
-                if lobe.is_squeezed:
-                    is_squeezed |= here
-                is_lobe |= here
+
+            # Twice, as arrays of a thread's own are not to be had in calls of Dr.Jit.
+            def pass_by(k, known, sum, chosen):
+                sum = power_to(k, known, sum)
+                return sum, chosen + dr.select(goal >= sum, UInt32(1), 0)
+
+            _, chosen = self._over_lobes(pass_by, known, Float(0), UInt32(0))
+            is_lobe = chosen < self.count
+            axis, sharpness, _, _, _, is_squeezed = dr.detach(self._lobe(mixture, dr.minimum(chosen, self.count - 1)))
+            is_squeezed = is_squeezed & is_lobe
             # The direction in it.
             x = sample2.x * inside(sharpness)
             series = x * (1 + x * (1 / 2 + x * (1 / 3 + x * (1 / 4 + x * (1 / 5 + x / 6)))))
@@ -462,12 +518,12 @@ def _traced_class(mi):
             d = dr.select(is_lobe, dr.normalize(d), flat)
             bs = mi.BSDFSample3f()
             bs.wo = dr.detach(Vector3f(d.x * c - d.y * s, d.x * s + d.y * c, d.z))
-            value, y = self._value(mixture, bs.wo)
+            value, y, _ = self._value(mixture, bs.wo)
             bs.pdf = dr.detach(y / power)
             bs.eta, bs.sampled_type, bs.sampled_component = 1.0, +mi.BSDFFlags.GlossyReflection, 0
             active &= (bs.wo.z > 0) & (bs.pdf > 0)
             bs.pdf = dr.select(active, bs.pdf, 0)
-            return bs, (self._spectrum(si, value, bs.wo, active) / bs.pdf) & active
+            return bs, (self._spectrum(si, self._with_factors(si.wi, bs.wo, value, active), active) / bs.pdf) & active
 
         def to_string(self):
             return f"Srbf[{self.material!r}]"
@@ -507,7 +563,7 @@ def _sheet_class(mi, of_material):
         def traverse(self, callback):
             for name, quarter in zip(QUARTERS, self.quarters):
                 if quarter is not None:
-                    callback.put(f"{name}.tint", quarter.tint, mi.ParamFlags.Differentiable)
+                    callback.put(name, quarter, mi.ParamFlags.Differentiable)
 
         def _reflected(self, wi, active):
             """The share of draws that are reflected, as the library has it."""
@@ -566,6 +622,13 @@ def _sheet_class(mi, of_material):
             bs.sampled_type = dr.select(is_through, +self.kinds[1], +self.kinds[0])
             bs.sampled_component = dr.select(is_through, 1, 0)
             return bs, weight
+
+        def eval_diffuse_reflectance(self, si, active=True):
+            albedo = mi.Spectrum(0.0)
+            for through in (False, True):
+                for quarter, seen, _, here in self._asked(si, through, active):
+                    albedo = albedo + quarter.eval_diffuse_reflectance(seen, here)
+            return albedo
 
         def to_string(self):
             return f"Srbf[{self.sheet!r}]"

@@ -13,7 +13,29 @@ def plane(theta_o: float, theta_i):
     return wo, np.stack([np.sin(theta_i), np.zeros_like(theta_i), np.cos(theta_i)], axis=1)
 
 
-def plot(material, table=None, angles=(5.0, 30.0, 60.0, 75.0)):
+# Samples are drawn that are so near the plane of incidence, degrees, and at most as far from the outgoing direction of a curve.
+NEAR, AWAY = 6.0, 2.5
+
+
+def samples_near_the_plane(table):
+    """By outgoing angle in degrees: the signed angles of `wi`, degrees, and the luminances of `f`. Only angles that have some."""
+    samples = table.samples()
+    theta_o, (x, y, z) = np.degrees(samples["theta_o"]), samples["wi"].T
+    is_near = np.degrees(np.arcsin(np.clip(np.abs(y), 0, 1))) <= NEAR
+    found = {}
+    for angle in np.unique(np.round(theta_o[is_near], 3)):
+        here = is_near & (np.abs(theta_o - angle) < 1e-3)
+        found[float(angle)] = np.degrees(np.arctan2(x[here], z[here])), samples["f"][here] @ LUMINANCE
+    return found
+
+
+def _nearest(found, angle):
+    """The samples of the outgoing direction that is nearest to an angle, or none."""
+    nearest = min(found, key=lambda own: abs(own - angle), default=None)
+    return None if nearest is None or abs(nearest - angle) > AWAY else found[nearest]
+
+
+def plot(material, table=None, angles=None):
     """The sheet that `Material.plot` returns, a `matplotlib.figure.Figure`."""
     try:
         from matplotlib.figure import Figure
@@ -21,6 +43,12 @@ def plot(material, table=None, angles=(5.0, 30.0, 60.0, 75.0)):
         raise ImportError("plot() draws by matplotlib: pip install matplotlib") from error
     from .picture import ball
 
+    points = {} if table is None or table.is_evaluable else samples_near_the_plane(table)
+    if angles is None:
+        own = sorted(points)
+        # As far apart as four of them can be.
+        angles = [own[round(n * (len(own) - 1) / 3)] for n in range(4)] if own else (5.0, 30.0, 60.0, 75.0)
+        angles = sorted(set(angles))
     figure = Figure(figsize=(12, 3.8), layout="constrained")
     curves, albedo, picture = figure.subplots(1, 3, width_ratios=(2, 1, 1))
     theta_i = np.radians(np.linspace(-89, 89, 713))
@@ -33,8 +61,15 @@ def plot(material, table=None, angles=(5.0, 30.0, 60.0, 75.0)):
         if table is not None and table.is_evaluable:
             data = table.evaluate(wo, wi) @ LUMINANCE / np.cos(theta_i)
             curves.semilogy(np.degrees(theta_i), np.maximum(data, 1e-9), color=f"C{n}", linestyle=":")
+        drawn = _nearest(points, angle)
+        if drawn is not None:
+            curves.semilogy(drawn[0], np.maximum(drawn[1], 1e-9), color=f"C{n}", linestyle="", marker=".", alpha=0.6)
     curves.set(xlabel="wi from the normal, degrees", ylabel="luminance of f, 1/sr", ylim=(max(0.5 * lowest, 1e-6), None))
-    curves.set_title("plane of incidence" + (", data dotted" if table is not None and table.is_evaluable else ""))
+    title = "plane of incidence"
+    if table is not None:
+        of_samples = f", samples within {NEAR:g} degrees of it as points" if points else ", which no sample is near"
+        title += ", data dotted" if table.is_evaluable else of_samples
+    curves.set_title(title)
     curves.legend(title="wo")
 
     theta_o = np.radians(np.linspace(0, 89, 90))

@@ -12,11 +12,20 @@ def _text(share: float, start: float) -> str:
     seconds = time.monotonic() - start
     done = round(WIDTH * share)
     left = f", {seconds * (1 / share - 1):.0f} s left" if share > 0.03 else ""
-    return f"fit [{'=' * done}{' ' * (WIDTH - done)}] {100 * share:3.0f} %, {seconds:.0f} s{left}"
+    # Tenths of a second, which move where a share does not.
+    return f"fit [{'=' * done}{' ' * (WIDTH - done)}] {100 * share:3.0f} %, {seconds:.1f} s{left}"
 
 
 class Silent:
+    """Shows nothing. The share of others never falls."""
+
+    share = 0.0
+
     def update(self, share: float) -> None:
+        self.share = max(self.share, share)
+        self.show(self.share)
+
+    def show(self, share: float) -> None:
         pass
 
     def close(self) -> None:
@@ -27,7 +36,7 @@ class Function(Silent):
     """Calls a function with the share that is done."""
 
     def __init__(self, function):
-        self.update = function
+        self.show = function
 
 
 class Terminal(Silent):
@@ -37,7 +46,7 @@ class Terminal(Silent):
         self.start = time.monotonic()
         self.shown = 0
 
-    def update(self, share: float) -> None:
+    def show(self, share: float) -> None:
         text = _text(share, self.start)
         sys.stderr.write("\r" + text.ljust(self.shown))
         sys.stderr.flush()
@@ -57,7 +66,7 @@ class Notebook(Silent):
         self.shown = 0.0
         self.handle = display({"text/plain": ""}, raw=True, display_id=True)
 
-    def update(self, share: float) -> None:
+    def show(self, share: float) -> None:
         # A notebook redraws slowly.
         if time.monotonic() - self.shown > 0.5:
             self.shown = time.monotonic()
@@ -66,7 +75,7 @@ class Notebook(Silent):
             self.handle.update({"text/plain": text, "text/html": html}, raw=True)
 
     def close(self) -> None:
-        self.handle.update({"text/plain": f"fitted in {time.monotonic() - self.start:.0f} s"}, raw=True)
+        self.handle.update({"text/plain": f"ended after {time.monotonic() - self.start:.0f} s"}, raw=True)
 
 
 def show(progress):

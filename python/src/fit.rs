@@ -221,7 +221,11 @@ fn run<T: Send + 'static>(
         // Alone in its use, as a receiver cannot be shared.
         let receiver = &mut receiver;
         match py.detach(move || receiver.recv_timeout(STEP)) {
-            Ok(Ok(fit)) => return fit.map_err(error::fit),
+            Ok(Ok(fit)) => {
+                let fit = fit.map_err(error::fit)?;
+                show.call_method1("update", (1.0,))?;
+                return Ok(fit);
+            }
             Ok(Err(reason)) if reason.is::<Stopped>() => {
                 let stopped = || PyRuntimeError::new_err("the fit was stopped");
                 return Err(stop.take_error().unwrap_or_else(stopped));

@@ -4,6 +4,7 @@
 //! `srbf_brdf/_native.pyi`, which editors read, and are the `__doc__` of each class.
 
 mod arrays;
+mod blend;
 mod error;
 mod fit;
 mod material;
@@ -18,9 +19,11 @@ use pyo3::prelude::*;
 #[pymodule]
 fn _native(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add("__version__", env!("CARGO_PKG_VERSION"))?;
+    module.add("_DEVICE_HEADER", include_str!("../../include/srbf_device.hpp"))?;
     module.add("FitError", module.py().get_type::<error::FitError>())?;
     module.add_class::<material::Material>()?;
     module.add_class::<sheet::Sheet>()?;
+    module.add_class::<blend::Blend>()?;
     module.add_class::<table::Table>()?;
     module.add_function(wrap_pyfunction!(table::read, module)?)?;
     module.add_function(wrap_pyfunction!(table::table, module)?)?;

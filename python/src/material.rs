@@ -1,6 +1,6 @@
 //! `Material`: the result of a fit, for renderers.
 
-use crate::arrays::{Vectors, broadcast, cast, room};
+use crate::arrays::{Vectors, broadcast_vectors, cast, room};
 use crate::error;
 use crate::source::AsBrdf;
 use crate::table::{Reduced, Table};
@@ -27,9 +27,14 @@ pub fn loaded<T>(path: &Path, make: impl Fn(Vec<u8>) -> Result<T, srbf_core::For
     make(bytes).map_err(fault)
 }
 
+/// A report that is JSON, or an empty one.
+pub fn report_of<'py>(py: Python<'py>, json: Option<&String>) -> PyResult<Bound<'py, PyAny>> {
+    py.import("json")?.call_method1("loads", (json.map_or("{}", String::as_str),))
+}
+
 /// A BRDF as lobes: a few kilobytes that are evaluated, integrated and sampled.
 ///
-/// Directions are unit vectors in the shading frame, +z the normal, float32 of shape (n, 3) or (3,); float64 is cast.
+/// Directions are unit vectors in the shading frame, +z the normal, float32 of shape (..., 3); float64 is cast.
 /// `wo` points towards the viewer, `wi` towards the light. Values are `f cos`, the BRDF times the cosine of `wi`, in
 /// linear sRGB, 1/sr; channels of colours outside the gamut are negative.
 #[pyclass(frozen, module = "srbf_brdf")]
@@ -151,17 +156,16 @@ impl Material {
         self.material.provenance()
     }
 
-    /// What its fit says of itself, as a dict; None for a material that was read.
+    /// What its fit says of itself, as a dict; empty for a material that was read.
     #[getter]
-    fn report<'py>(&self, py: Python<'py>) -> PyResult<Option<Bound<'py, PyAny>>> {
-        let parse = |(json, _): &Fitted| py.import("json")?.call_method1("loads", (json,));
-        self.fitted.as_ref().map(parse).transpose()
+    fn report<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
+        report_of(py, self.fitted.as_ref().map(|(json, _)| json))
     }
 
-    /// How good its fit is, a sentence each, with what to try; None for a material that was read.
+    /// How good its fit is, a sentence each, with what to try; empty for a material that was read.
     #[getter]
-    fn verdict(&self) -> Option<Vec<String>> {
-        self.fitted.as_ref().map(|(_, words)| words.clone())
+    fn verdict(&self) -> Vec<String> {
+        self.fitted.as_ref().map_or_else(Vec::new, |(_, words)| words.clone())
     }
 
     /// Whether it has a map from its colours to spectra, as fits of measured wavelengths have.
@@ -191,7 +195,7 @@ impl Material {
         py.import("srbf_brdf.types")?.getattr("Primaries")?.call1((columns,))
     }
 
-    /// `f cos` of pairs of directions, float32 of shape (n, 3), 1/sr.
+    /// `f cos` of pairs of directions, float32 of shape (..., 3), 1/sr.
     fn evaluate<'py>(
         &self,
         py: Python<'py>,
@@ -201,7 +205,7 @@ impl Material {
         verbs::evaluate(py, &self.material, wo, wi)
     }
 
-    /// Density of `sample` at pairs of directions, float32 of shape (n,), 1/sr.
+    /// Density of `sample` at pairs of directions, float32 of shape (...), 1/sr.
     fn pdf<'py>(
         &self,
         py: Python<'py>,
@@ -221,9 +225,9 @@ impl Material {
         verbs::evaluate_and_pdf(py, &self.material, wo, wi)
     }
 
-    /// Draws incident directions by three uniform numbers each, `u` of shape (n, 3) in [0, 1).
+    /// Draws incident directions by three uniform numbers each, `u` of shape (..., 3) in [0, 1).
     ///
-    /// Returns a `Sample`: `direction` (n, 3), `pdf` (n,) in 1/sr, `weight` (n, 3), which is `f cos / pdf`. Where nothing
+    /// Returns a `Sample`: `direction` (..., 3), `pdf` (...) in 1/sr, `weight` (..., 3), which is `f cos / pdf`. Where nothing
     /// is reflected the direction is the normal and the rest 0.
     fn sample<'py>(
         &self,
@@ -245,10 +249,10 @@ impl Material {
         verbs::sample_and_evaluate(py, &self.material, wo, u, wi)
     }
 
-    /// Directional albedo, the integral of `f cos` over the hemisphere, float32 of shape (n, 3).
+    /// Directional albedo, the integral of `f cos` over the hemisphere, float32 of shape (..., 3).
     fn albedo<'py>(&self, py: Python<'py>, wo: &Bound<'py, PyAny>) -> PyResult<Bound<'py, PyAny>> {
         let mut wo = Vectors::directions(wo, "wo")?;
-        let shape = broadcast([&mut wo], "wo")?;
+        let shape = broadcast_vectors(&mut [&mut wo], None)?;
         let [x, y, z] = wo.slices();
         let mut albedo = room(shape.n);
         py.detach(|| {
@@ -266,15 +270,16 @@ impl Material {
 
     /// Compares it with a table: a `Comparison` that prints as the verdict.
     ///
-    /// `angles`: outgoing directions in degrees from the normal, where the table has a value everywhere. Of samples, the
+    /// `angles`: outgoing directions in degrees from the normal, by default 0, 5, 30, 60 and 75, where the table has a value everywhere. Of samples, the
     /// views of the table are taken.
-    #[pyo3(signature = (table, angles = vec![0.0, 5.0, 30.0, 60.0, 75.0]))]
+    #[pyo3(signature = (table, angles = None))]
     fn compare<'py>(
         &self,
         py: Python<'py>,
         table: &Bound<'py, PyAny>,
-        angles: Vec<f64>,
+        angles: Option<Vec<f64>>,
     ) -> PyResult<Bound<'py, PyAny>> {
+        let angles = angles.unwrap_or_else(|| vec![0.0, 5.0, 30.0, 60.0, 75.0]);
         let table = Table::of(table)?;
         let table = table.get();
         if !self.material.is_isotropic() {
@@ -388,15 +393,18 @@ impl Material {
         slf.py().import("srbf_brdf.picture")?.call_method1("png_of_ball", (slf,))
     }
 
-    /// Draws a sheet by matplotlib: curves over the plane of incidence, albedo, and a ball; with `table` the data beside it.
+    /// Draws a sheet by matplotlib: curves over the plane of incidence, albedo, and a ball. A `table` is drawn beside it: dotted, or its
+    /// samples near that plane as points.
     ///
-    /// Returns the `matplotlib.figure.Figure`.
-    #[pyo3(signature = (table = None, angles = vec![5.0, 30.0, 60.0, 75.0]))]
+    /// `angles`: outgoing directions in degrees from the normal, by default 5, 30, 60 and 75, or four of those of the samples. Returns the
+    /// `matplotlib.figure.Figure`.
+    #[pyo3(signature = (table = None, angles = None))]
     fn plot<'py>(
         slf: &Bound<'py, Self>,
         table: Option<&Bound<'py, PyAny>>,
-        angles: Vec<f64>,
+        angles: Option<Vec<f64>>,
     ) -> PyResult<Bound<'py, PyAny>> {
+        let table = table.map(Table::of).transpose()?;
         slf.py().import("srbf_brdf.plot")?.call_method1("plot", (slf, table, angles))
     }
 }

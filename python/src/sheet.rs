@@ -1,8 +1,8 @@
 //! `Sheet`: reflection and transmission of a thin surface.
 
-use crate::arrays::{Vectors, broadcast, room};
+use crate::arrays::{Vectors, broadcast_vectors, room};
 use crate::error;
-use crate::material::{Material, loaded};
+use crate::material::{Material, loaded, report_of};
 use crate::table::Reduced;
 use crate::verbs;
 use pyo3::exceptions::PyValueError;
@@ -16,7 +16,7 @@ const NAMES: [&str; 4] = ["front_reflection", "front_transmission", "back_reflec
 
 /// A thin surface that reflects light and lets some through: up to four materials.
 ///
-/// Directions are unit vectors in the frame of the sheet, whose front is +z, float32 of shape (n, 3) or (3,). `wo` points
+/// Directions are unit vectors in the frame of the sheet, whose front is +z, float32 of shape (..., 3). `wo` points
 /// towards the viewer, `wi` towards the light, and both lie in front or behind. Values are `f |cos|`, in linear sRGB, 1/sr.
 #[pyclass(frozen, module = "srbf_brdf")]
 pub struct Sheet {
@@ -92,11 +92,10 @@ impl Sheet {
         self.sheet.is_symmetric()
     }
 
-    /// What its fit says of itself, as a dict: where light goes by angle, and how far patches are apart; None for a sheet that was read.
+    /// What its fit says of itself, as a dict: where light goes by angle, and how far patches are apart; empty for a sheet that was read.
     #[getter]
-    fn report<'py>(&self, py: Python<'py>) -> PyResult<Option<Bound<'py, PyAny>>> {
-        let parse = |json: &String| py.import("json")?.call_method1("loads", (json,));
-        self.report.as_ref().map(parse).transpose()
+    fn report<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
+        report_of(py, self.report.as_ref())
     }
 
     /// Where it comes from, as its maker wrote it.
@@ -115,7 +114,7 @@ impl Sheet {
         found.map(Material::new).transpose().map_err(error::value)
     }
 
-    /// `f |cos|` of pairs of directions, float32 of shape (n, 3), 1/sr.
+    /// `f |cos|` of pairs of directions, float32 of shape (..., 3), 1/sr.
     fn evaluate<'py>(
         &self,
         py: Python<'py>,
@@ -125,7 +124,7 @@ impl Sheet {
         verbs::evaluate(py, &self.sheet, wo, wi)
     }
 
-    /// Density of `sample` at pairs of directions, float32 of shape (n,), 1/sr.
+    /// Density of `sample` at pairs of directions, float32 of shape (...), 1/sr.
     fn pdf<'py>(
         &self,
         py: Python<'py>,
@@ -145,7 +144,7 @@ impl Sheet {
         verbs::evaluate_and_pdf(py, &self.sheet, wo, wi)
     }
 
-    /// Draws incident directions on both sides by three uniform numbers each, `u` of shape (n, 3) in [0, 1): a `Sample`.
+    /// Draws incident directions on both sides by three uniform numbers each, `u` of shape (..., 3) in [0, 1): a `Sample`.
     fn sample<'py>(
         &self,
         py: Python<'py>,
@@ -166,23 +165,23 @@ impl Sheet {
         verbs::sample_and_evaluate(py, &self.sheet, wo, u, wi)
     }
 
-    /// Share of draws that are reflected, float32 of shape (n,).
+    /// Share of draws that are reflected, float32 of shape (...).
     fn reflected_share<'py>(&self, py: Python<'py>, wo: &Bound<'py, PyAny>) -> PyResult<Bound<'py, PyAny>> {
         let mut wo = Vectors::directions(wo, "wo")?;
-        let shape = broadcast([&mut wo], "wo")?;
+        let shape = broadcast_vectors(&mut [&mut wo], None)?;
         let [x, y, z] = wo.slices();
         let share = |i: usize| self.sheet.reflected_share(Vec3::new(x[i], y[i], z[i]));
         shape.numbers(py, (0..shape.n).map(share).collect())
     }
 
-    /// Reflected and transmitted light towards `wo`, of light from everywhere: two arrays, float32 of shape (n, 3).
+    /// Reflected and transmitted light towards `wo`, of light from everywhere: two arrays, float32 of shape (..., 3).
     fn albedos<'py>(
         &self,
         py: Python<'py>,
         wo: &Bound<'py, PyAny>,
     ) -> PyResult<(Bound<'py, PyAny>, Bound<'py, PyAny>)> {
         let mut wo = Vectors::directions(wo, "wo")?;
-        let shape = broadcast([&mut wo], "wo")?;
+        let shape = broadcast_vectors(&mut [&mut wo], None)?;
         let [x, y, z] = wo.slices();
         let (mut reflected, mut transmitted) = (room(shape.n), room(shape.n));
         py.detach(|| {

@@ -1,6 +1,6 @@
 //! `Table`: a measured file, arrays of samples, or an analytic model.
 
-use crate::arrays::{cast, rows, table as array_of};
+use crate::arrays::{Vectors, broadcast_vectors, cast, table as array_of, text as shape_text};
 use crate::error;
 use numpy::{PyArray1, PyUntypedArrayMethods};
 use pyo3::exceptions::{PyTypeError, PyValueError};
@@ -77,7 +77,7 @@ pub fn read(py: Python<'_>, path: PathBuf) -> PyResult<Table> {
 }
 
 /// Makes a table of samples: directions `wo` and `wi` and the BRDF `f` (without a cosine, 1/sr, linear sRGB), float64 of
-/// shape (n, 3) each. `f` of shape (n,) is grey. Samples whose `f` is NaN or masked are left out, and `left_out` counts them.
+/// shape (..., 3) each. `f` of shape (...) is grey. Samples whose `f` is NaN or masked are left out, and `left_out` counts them.
 #[pyfunction]
 #[pyo3(signature = (wo, wi, f, name = "samples"))]
 pub fn table(
@@ -87,23 +87,21 @@ pub fn table(
     f: &Bound<'_, PyAny>,
     name: &str,
 ) -> PyResult<Table> {
-    let (wo_array, wi_array) = (cast::<f64>(wo, "wo")?, cast::<f64>(wi, "wi")?);
-    let (wo, is_single) = rows(&wo_array, wo, "wo")?;
-    let (wi, _) = rows(&wi_array, wi, "wi")?;
+    let (mut wo, mut wi) = (Vectors::<f64>::new(wo, "wo")?, Vectors::<f64>::new(wi, "wi")?);
+    let given = format!("wo of shape {} and wi of shape {}", wo.operand().text(), wi.operand().text());
+    let shape = broadcast_vectors(&mut [&mut wo, &mut wi], None)?;
     let f = cast::<f64>(&unmasked(f)?, "f")?;
-    let n = wi.len() / 3;
     // Not by the count of numbers: (3, n) has as many as (n, 3).
-    let channels = match f.shape() {
-        [rows] | [rows, 1] if *rows == n => 1,
-        [rows, 3] if *rows == n => 3,
-        [3] if n == 1 => 3,
+    let channels = match f.shape().strip_prefix(&shape.lead[..]) {
+        Some([] | [1]) => 1,
+        Some([3]) => 3,
         _ => 0,
     };
-    if n == 0 || channels == 0 || !(is_single || wo.len() == wi.len()) {
+    if shape.n == 0 || channels == 0 {
+        let [grey, colour] = [&[][..], &[3]].map(|last| shape_text(&[&shape.lead, last].concat()));
         let text = format!(
-            "wo has {} rows, wi {n}, f the shape {:?}; as many rows, and f of shape (n,) or (n, 3), are expected",
-            wo.len() / 3,
-            f.shape()
+            "f of shape {}, {given}: f of shape {grey} or {colour}, and a sample at least, are expected",
+            shape_text(f.shape())
         );
         return Err(PyValueError::new_err(text));
     }
@@ -111,8 +109,8 @@ pub fn table(
     let text = py.detach(|| {
         // The reader of CSV groups, checks and names the fault of a line: a sample is line n + 2.
         let mut text = String::from("wo_x,wo_y,wo_z,wi_x,wi_y,wi_z,r,g,b\n");
-        for i in 0..n {
-            let [o, d] = [if is_single { &wo[..3] } else { &wo[3 * i..3 * i + 3] }, &wi[3 * i..3 * i + 3]];
+        for i in 0..shape.n {
+            let [o, d] = [&wo, &wi].map(|vectors| vectors.slices().map(|c| c[i]));
             let rgb = [0, 1, 2].map(|c| if channels == 1 { f[i] } else { f[3 * i + c] });
             let [r, g, b] = rgb;
             // Writing to a string does not fail.
@@ -242,7 +240,7 @@ impl Table {
         format!("<srbf_brdf.Table {}: {of}>", printable(&self.source.name))
     }
 
-    /// `f cos` of pairs of directions, float64 of shape (n, 3), 1/sr; only of a table with a value everywhere.
+    /// `f cos` of pairs of directions, float64 of shape (..., 3), 1/sr; only of a table with a value everywhere.
     fn evaluate<'py>(
         &self,
         py: Python<'py>,
@@ -253,35 +251,26 @@ impl Table {
             let text = "scattered samples have no value in between; `fit` completes them";
             return Err(PyValueError::new_err(text));
         };
-        let (wo_array, wi_array) = (cast::<f64>(wo, "wo")?, cast::<f64>(wi, "wi")?);
-        let ((wo, one_wo), (wi, one_wi)) = (rows(&wo_array, wo, "wo")?, rows(&wi_array, wi, "wi")?);
-        let n = if one_wo { wi.len() / 3 } else { wo.len() / 3 };
-        if !(one_wo || one_wi || wo.len() == wi.len()) {
-            let text = format!("wo and wi: {n} and {} rows; as many are expected", wi.len() / 3);
-            return Err(PyValueError::new_err(text));
-        }
-        let vector = |all: &[f64], one: bool, i: usize| {
-            let at = if one { 0 } else { 3 * i };
-            [all[at], all[at + 1], all[at + 2]]
-        };
+        let (mut wo, mut wi) = (Vectors::<f64>::new(wo, "wo")?, Vectors::<f64>::new(wi, "wi")?);
+        let shape = broadcast_vectors(&mut [&mut wo, &mut wi], None)?;
         let value = |i: usize| {
-            let (wo, wi) = (vector(wo, one_wo, i), vector(wi, one_wi, i));
+            let [wo, wi] = [&wo, &wi].map(|vectors| vectors.slices().map(|c| c[i]));
             let is_above = wo[2] > 0.0 && wi[2] > 0.0;
             let f = if is_above { brdf.evaluate(wi, wo) } else { [0.0; 3] };
             f.map(|f| if f.is_finite() { f * wi[2] } else { 0.0 })
         };
-        let values: Vec<[f64; 3]> = py.detach(|| (0..n).map(value).collect());
-        let array = array_of(py, values.into_iter())?;
-        if one_wo && one_wi { array.get_item(0) } else { Ok(array) }
+        let values = py.detach(|| (0..shape.n).flat_map(value).collect());
+        shape.array(py, values, &[3])
     }
 
     /// Its samples, as a dict of float64 arrays: `theta_o` (n,), the angle of the outgoing direction from the normal in radians;
     /// `wi` (n, 3) in the frame whose outgoing direction is `(-sin theta_o, 0, cos theta_o)`, `y >= 0`; `f` (n, 3), the BRDF without a
     /// cosine, 1/sr; `weight` (n,), the solid angle that it stands for, sr.
     ///
-    /// A table with a value everywhere is sampled at outgoing directions of `angles`, degrees; samples are given as they were read.
-    #[pyo3(signature = (angles = vec![0.0, 15.0, 30.0, 45.0, 60.0, 75.0]))]
-    fn samples<'py>(&self, py: Python<'py>, angles: Vec<f64>) -> PyResult<Bound<'py, PyDict>> {
+    /// A table with a value everywhere is sampled at outgoing directions of `angles`, degrees, by default every 15 up to 75; samples are given as they were read.
+    #[pyo3(signature = (angles = None))]
+    fn samples<'py>(&self, py: Python<'py>, angles: Option<Vec<f64>>) -> PyResult<Bound<'py, PyDict>> {
+        let angles = angles.unwrap_or_else(|| vec![0.0, 15.0, 30.0, 45.0, 60.0, 75.0]);
         let made;
         let table = match &self.source.content {
             Content::Samples(table) => table,

@@ -1,6 +1,6 @@
 //! The verbs of a material and of a sheet on arrays.
 
-use crate::arrays::{Shape, Vectors, broadcast, room, slices_mut};
+use crate::arrays::{Operand, Shape, Vectors, broadcast_vectors, room, slices_mut};
 use crate::error;
 use pyo3::prelude::*;
 use pyo3::types::PyTuple;
@@ -8,18 +8,23 @@ use srbf_core::{Draws, Error, Material, Request, Sheet, Towards};
 
 /// Draws and evaluates for many hits.
 pub trait Ask: Sync {
-    /// See `srbf_core::Material::ask`.
-    fn answer(&self, wo: [&[f32]; 3], request: Request<'_>) -> Result<(), Error>;
+    /// See `srbf_core::Material::ask`, for pairs of a shape.
+    fn answer(&self, shape: &Shape, wo: [&[f32]; 3], request: Request<'_>) -> Result<(), Error>;
+
+    /// The hits that have something of their own, whose shape is broadcast with those of directions.
+    fn hits(&self) -> Option<Operand<'_>> {
+        None
+    }
 }
 
 impl Ask for Material<Vec<u8>> {
-    fn answer(&self, wo: [&[f32]; 3], request: Request<'_>) -> Result<(), Error> {
+    fn answer(&self, _: &Shape, wo: [&[f32]; 3], request: Request<'_>) -> Result<(), Error> {
         self.ask(wo, request)
     }
 }
 
 impl Ask for Sheet<Vec<u8>> {
-    fn answer(&self, wo: [&[f32]; 3], request: Request<'_>) -> Result<(), Error> {
+    fn answer(&self, _: &Shape, wo: [&[f32]; 3], request: Request<'_>) -> Result<(), Error> {
         self.ask(wo, request)
     }
 }
@@ -46,7 +51,7 @@ impl Drawn {
     }
 
     /// As a `srbf_brdf.Sample`.
-    fn into_python<'py>(self, py: Python<'py>, shape: Shape) -> PyResult<Bound<'py, PyAny>> {
+    fn into_python<'py>(self, py: Python<'py>, shape: &Shape) -> PyResult<Bound<'py, PyAny>> {
         let arguments = (
             shape.vectors(py, self.direction)?,
             shape.numbers(py, self.pdf)?,
@@ -64,14 +69,14 @@ fn towards<'py>(
     [value, pdf]: [bool; 2],
 ) -> PyResult<(Shape, [Vec<f32>; 3], Vec<f32>)> {
     let (mut wo, mut wi) = (Vectors::directions(wo, "wo")?, Vectors::directions(wi, "wi")?);
-    let shape = broadcast([&mut wo, &mut wi], "wo and wi")?;
+    let shape = broadcast_vectors(&mut [&mut wo, &mut wi], of.hits())?;
     let (mut values, mut densities) = (room(shape.n), vec![0.0; shape.n]);
     let towards = Towards {
         wi: wi.slices(),
         value: value.then(|| slices_mut(&mut values)),
         pdf: pdf.then_some(&mut densities[..]),
     };
-    py.detach(|| of.answer(wo.slices(), towards.into())).map_err(error::value)?;
+    py.detach(|| of.answer(&shape, wo.slices(), towards.into())).map_err(error::value)?;
     Ok((shape, values, densities))
 }
 
@@ -116,11 +121,11 @@ pub fn sample<'py>(
     u: &Bound<'py, PyAny>,
 ) -> PyResult<Bound<'py, PyAny>> {
     let (mut wo, mut u) = (Vectors::directions(wo, "wo")?, Vectors::uniform(u, "u")?);
-    let shape = broadcast([&mut wo, &mut u], "wo and u")?;
+    let shape = broadcast_vectors(&mut [&mut wo, &mut u], of.hits())?;
     let mut drawn = Drawn::new(shape.n);
     let draws = drawn.draws(u.slices());
-    py.detach(|| of.answer(wo.slices(), draws.into())).map_err(error::value)?;
-    drawn.into_python(py, shape)
+    py.detach(|| of.answer(&shape, wo.slices(), draws.into())).map_err(error::value)?;
+    drawn.into_python(py, &shape)
 }
 
 /// Both, towards other directions.
@@ -133,11 +138,11 @@ pub fn sample_and_evaluate<'py>(
 ) -> PyResult<Bound<'py, PyTuple>> {
     let (mut wo, mut u) = (Vectors::directions(wo, "wo")?, Vectors::uniform(u, "u")?);
     let mut wi = Vectors::directions(wi, "wi")?;
-    let shape = broadcast([&mut wo, &mut u, &mut wi], "wo, u and wi")?;
+    let shape = broadcast_vectors(&mut [&mut wo, &mut u, &mut wi], of.hits())?;
     let (mut drawn, mut value, mut pdf) = (Drawn::new(shape.n), room(shape.n), vec![0.0; shape.n]);
     let towards = Towards { wi: wi.slices(), value: Some(slices_mut(&mut value)), pdf: Some(&mut pdf) };
     let request = Request { draw: Some(drawn.draws(u.slices())), evaluate: Some(towards) };
-    py.detach(|| of.answer(wo.slices(), request)).map_err(error::value)?;
-    let sample = drawn.into_python(py, shape)?;
+    py.detach(|| of.answer(&shape, wo.slices(), request)).map_err(error::value)?;
+    let sample = drawn.into_python(py, &shape)?;
     PyTuple::new(py, [sample, shape.vectors(py, value)?, shape.numbers(py, pdf)?])
 }

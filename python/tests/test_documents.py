@@ -1,4 +1,4 @@
-"""The programs of docs/use-from-python.md, as they stand there."""
+"""The programs of docs/use-from-python.md and docs/use-from-mitsuba.md, as they stand there."""
 
 import os
 import pathlib
@@ -11,12 +11,12 @@ import pytest
 import srbf_brdf as srbf
 from conftest import PRESETS, ROOT
 
-PAGE = ROOT / "docs/use-from-python.md"
+PAGES = [ROOT / "docs/use-from-python.md", ROOT / "docs/use-from-mitsuba.md"]
 DATA = os.environ.get("SRBF_DATA_DIR")
 
 
 def blocks():
-    return re.findall(r"```python\n(.*?)```", PAGE.read_text(), re.DOTALL)
+    return [block for page in PAGES for block in re.findall(r"```python\n(.*?)```", page.read_text(), re.DOTALL)]
 
 
 @pytest.fixture
@@ -30,7 +30,7 @@ def folder(tmp_path, monkeypatch):
     return tmp_path
 
 
-def test_the_page_has_both_programs():
+def test_the_pages_have_a_program_each():
     assert ["srbf.fit(" in block for block in blocks()] == [True, False]
 
 

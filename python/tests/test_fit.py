@@ -76,15 +76,28 @@ def test_arrays_of_samples():
     assert np.array_equal(grey.samples()["f"][:, 0], grey.samples()["f"][:, 2])
 
 
+def test_a_grid_of_samples_needs_no_repeated_directions():
+    """Five viewers, twelve lights each."""
+    wo, wi, f = (a.reshape(5, 12, 3) for a in samples(12))
+    viewers, lights = wo[:, :1], wi[0]
+    grid = np.array([[lobe(o[0], i) for i in lights] for o in viewers])
+    repeated = srbf.table(wo.reshape(-1, 3), np.tile(lights, (5, 1)), grid.reshape(-1, 3))
+    for values in (grid, grid[..., :1]):
+        table = srbf.table(viewers, lights, values)
+        assert "60 samples at 5" in repr(table)
+        np.testing.assert_array_equal(table.samples()["wi"], repeated.samples()["wi"])
+        np.testing.assert_array_equal(table.samples()["f"][:, 0], repeated.samples()["f"][:, 0])
+
+
 @pytest.mark.parametrize(
     "change, text",
     [
-        (lambda wo, wi, f: (wo[:-1], wi, f), "as many rows"),
-        (lambda wo, wi, f: (wo, wi, f[:, :2]), "as many rows|numbers"),
+        (lambda wo, wi, f: (wo[:-1], wi, f), r"wo of shape \(14, 3\) and wi of shape \(15, 3\)"),
+        (lambda wo, wi, f: (wo, wi, f[:, :2]), r"f of shape \(15, 2\), .*: f of shape \(15,\) or \(15, 3\)"),
         (lambda wo, wi, f: (wo, -wi, f), "behind.*lines 2, 3, 4"),
         (lambda wo, wi, f: (wo, wi, f * np.nan), "number.*lines 2, 3, 4"),
         (lambda wo, wi, f: (wo, np.concatenate([wi[:1] * [1, 1, -1], wi[1:]]), f), "behind.*line 2"),
-        (lambda wo, wi, f: (wo[:0], wi[:0], f[:0]), "0"),
+        (lambda wo, wi, f: (wo[:0], wi[:0], f[:0]), r"f of shape \(0, 3\).*a sample at least"),
     ],
 )
 def test_arrays_that_are_no_samples_are_named(change, text):
@@ -102,7 +115,7 @@ def test_what_was_not_measured_is_left_out():
 
 def test_channels_first_are_refused_whatever_their_count():
     wo, wi, f = samples(90)
-    with pytest.raises(ValueError, match=r"\(n, 3\)"):
+    with pytest.raises(ValueError, match=r"f of shape \(3, 450\)"):
         srbf.table(wo, wi, np.ascontiguousarray(f.T))
 
 
@@ -132,7 +145,25 @@ def test_an_exception_of_the_function_ends_the_fit():
 def test_progress_is_shown_and_rises():
     seen = []
     srbf.fit("model:ggx:alpha=0.1,f0=0.9", lobes=4, starts=2, steps=8, exchanges=0, views=4, progress=seen.append)
-    assert seen and all(0 <= share <= 1 for share in seen) and seen[-1] > seen[0]
+    assert len(seen) > 2 and seen == sorted(seen) and seen[0] >= 0 and seen[-1] == 1
+
+
+def test_a_bar_moves_and_never_back(capsys):
+    from srbf_brdf.progress import Terminal, show
+
+    seen = []
+    function = show(seen.append)
+    for share in (0.2, 0.5, 0.4, 1.0):
+        function.update(share)
+    assert seen == [0.2, 0.5, 0.5, 1.0]
+    bar = Terminal()
+    for share in (0.0, 0.25, 0.25, 0.2, 0.75):
+        bar.start -= 1
+        bar.update(share)
+    shown = capsys.readouterr().err.split("\r")[1:]
+    assert len(set(shown)) == 5 and [text.count("=") for text in shown] == [0, 10, 10, 10, 30] and "s left" in shown[-1]
+    bar.close()
+    assert not capsys.readouterr().err.strip()
 
 
 def test_an_exception_of_the_progress_ends_the_fit():
@@ -253,7 +284,7 @@ def test_a_sheet_is_fitted(tmp_path):
     sheet = srbf.fit_sheet(path, lobes=4, views=4, starts=1, steps=8, exchanges=0, progress=shares.append)
     assert sheet.quarter("front_reflection") is None and sheet.quarter("front_transmission") is not None
     assert shares and sheet.report["bytes"] == len(sheet.to_bytes()) and "glass.csv" in sheet.provenance
-    assert srbf.Sheet.from_bytes(sheet.to_bytes()).report is None
+    assert srbf.Sheet.from_bytes(sheet.to_bytes()).report == {}
     with pytest.raises(ValueError, match="band"):
         srbf.fit_sheet(path, band="")
     with pytest.raises(ValueError, match="a model is no sheet"):

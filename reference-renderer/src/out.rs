@@ -11,3 +11,4 @@ pub mod page;
 pub mod panel;
 pub mod picture_file;
 pub mod progress;
+pub mod wrap;

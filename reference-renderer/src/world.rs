@@ -9,6 +9,7 @@ pub mod illuminant;
 pub mod intersect;
 pub mod mesh;
 pub mod ray;
+pub mod skin;
 #[cfg(test)]
 pub mod sphere_sampling;
 pub mod teapot;

@@ -23,13 +23,21 @@ static srbf_mixture *new_mixture(void) {
     return mixture;
 }
 
+/* Whether the message begins with the name of an argument. */
+static int names_an_argument(void) {
+    const size_t letters = strspn(srbf_last_message(), "abcdefghijklmnopqrstuvwxyz_->.");
+    return letters > 0 && srbf_last_message()[letters] == ':';
+}
+
 /* The pointer argument `p` of a call: NULL and misaligned. The macro's argument is a call in terms of `p`. */
 #define CHECK_POINTER(type, good, call)                       \
     do {                                                      \
         type *p = NULL;                                       \
         CHECK_STATUS(SRBF_STATUS_NULL, call);                 \
+        CHECK(names_an_argument());                           \
         p = CROOKED(type, good);                              \
         CHECK_STATUS(SRBF_STATUS_MISALIGNED, call);           \
+        CHECK(names_an_argument());                           \
     } while (0)
 
 /* An object argument: NULL, misaligned, and memory that holds no such object. */
@@ -316,6 +324,8 @@ static void test_single(const srbf_material *material) {
 
     CHECK_OBJECT(srbf_mixture, mixture, srbf_mixture_evaluate(p, UP, out));
     CHECK_POINTER(const float, UP, srbf_mixture_evaluate(mixture, p, out));
+    CHECK_STATUS(SRBF_STATUS_DIRECTION, srbf_mixture_evaluate(mixture, BAD[0], out));
+    CHECK(strcmp(srbf_last_message(), "wi: a direction must be a finite unit vector") == 0);
     CHECK_POINTER(float, out, srbf_mixture_evaluate(mixture, UP, p));
     CHECK_OBJECT(srbf_mixture, mixture, srbf_mixture_pdf(p, UP, out));
     CHECK_POINTER(const float, UP, srbf_mixture_pdf(mixture, p, out));

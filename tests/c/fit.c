@@ -46,7 +46,7 @@ static void test_without_threads(void) {
         /* A stack that no address space has room for. */
         CHECK(setenv("RUST_MIN_STACK", "1125899906842624", 1) == 0);
         for (int i = 0; i < 2; i++) {
-            CHECK_STATUS(SRBF_STATUS_OTHER, srbf_fit_brdf(NULL, gloss, &height, &material));
+            CHECK_STATUS(SRBF_STATUS_OTHER, srbf_fit_brdf(NULL, gloss, &height, &material, NULL));
             CHECK(strstr(srbf_last_message(), "no threads") != NULL && material == NULL);
         }
         _exit(0);
@@ -81,7 +81,7 @@ static void fit_in_child(void) {
         settings.lobes = 1, settings.squeezed_lobes = 0;
         for (int i = 0; i < 2; i++) {
             srbf_material *material = NULL;
-            CHECK_OK(srbf_fit_brdf(&settings, gloss, &height, &material));
+            CHECK_OK(srbf_fit_brdf(&settings, gloss, &height, &material, NULL));
             CHECK_OK(srbf_material_free(material));
         }
         _exit(0);
@@ -93,7 +93,7 @@ static void fit_in_child(void) {
 static void *fit_in_thread(void *settings) {
     float height = 0.5f;
     srbf_material *material = NULL;
-    CHECK_OK(srbf_fit_brdf((const srbf_fit_settings *)settings, gloss, &height, &material));
+    CHECK_OK(srbf_fit_brdf((const srbf_fit_settings *)settings, gloss, &height, &material, NULL));
     CHECK_OK(srbf_material_free(material));
     return NULL;
 }
@@ -108,7 +108,7 @@ static void forking(void *user, const float *wi, const float *wo, float *f) {
         if (child == 0) {
             alarm(HUNG);
             srbf_material *material = NULL;
-            CHECK_STATUS(SRBF_STATUS_OTHER, srbf_fit_brdf(NULL, gloss, &height, &material));
+            CHECK_STATUS(SRBF_STATUS_OTHER, srbf_fit_brdf(NULL, gloss, &height, &material, NULL));
             CHECK(strstr(srbf_last_message(), "forked within a fit") != NULL);
             _exit(0);
         }
@@ -129,7 +129,7 @@ static void test_children(srbf_fit_settings settings) {
     int has_forked = 0;
     srbf_material *material = NULL;
     settings.lobes = 1, settings.squeezed_lobes = SRBF_FIT_AUTOMATIC;
-    CHECK_OK(srbf_fit_brdf(&settings, forking, &has_forked, &material));
+    CHECK_OK(srbf_fit_brdf(&settings, forking, &has_forked, &material, NULL));
     CHECK(has_forked);
     CHECK_OK(srbf_material_free(material));
 }
@@ -142,6 +142,23 @@ static void check_provenance(const srbf_material *material) {
     CHECK(info.provenance_length < sizeof text);
     memcpy(text, info.provenance, info.provenance_length);
     CHECK(strstr(text, "through its C interface\nsrbf-fit ") != NULL);
+}
+
+/* Numbers within the bounds of the fit, and as many lines of faults as it counts, after a sentence. */
+static void check_report(const srbf_fit_report *report) {
+    printf("%s", report->verdict);
+    CHECK(report->error > 0 && report->error < 0.1 && report->worst_error >= report->error && report->worst_error < 0.3);
+    CHECK(report->worst_error_theta >= 0 && report->worst_error_theta < 1.5707964);
+    CHECK(report->luminance_error > 0 && report->luminance_error < 0.1 && report->energy_error < 0.05);
+    CHECK(report->largest_weight >= 1 && report->largest_weight < 30 && report->seconds > 0 && report->seconds < HUNG);
+    CHECK(memchr(report->verdict, 0, sizeof report->verdict) != NULL && strstr(report->verdict, "relative L2: median") != NULL);
+    CHECK(strncmp(report->verdict, "use it", 6) == 0);
+    size_t faults = 0;
+    for (const char *line = report->verdict; line != NULL; line = strchr(line, '\n')) {
+        line += *line == '\n';
+        faults += strncmp(line, "off ", 4) == 0;
+    }
+    CHECK(faults == report->faults);
 }
 
 /* A file and its mode stay as they were, and so does an entry that is no file. */
@@ -192,7 +209,9 @@ int main(int count, char **arguments) {
     }
     srbf_vectors o = {wo[0], wo[0] + 1, wo[0] + 2, 12}, in = {wi[0], wi[0] + 1, wi[0] + 2, 12};
     srbf_vectors values = {f[0], f[0] + 1, f[0] + 2, 12};
-    CHECK_OK(srbf_fit_table(&settings, N, &o, &in, &values, &material));
+    srbf_fit_report report;
+    CHECK_OK(srbf_fit_table(&settings, N, &o, &in, &values, &material, &report));
+    check_report(&report);
     check_fit(material, height, 0.1f);
     check_provenance(material);
     char path[4096];
@@ -205,19 +224,20 @@ int main(int count, char **arguments) {
     CHECK(a.byte_count == b.byte_count && memcmp(a.bytes, b.bytes, a.byte_count) == 0 && a.lobes == 6);
     CHECK_OK(srbf_material_free(material));
     settings.factor_nodes[0] = 8, settings.factor_nodes[1] = 4, settings.factor_nodes[2] = 2;
-    CHECK_OK(srbf_fit_brdf(&settings, gloss, &height, &material));
+    CHECK_OK(srbf_fit_brdf(&settings, gloss, &height, &material, &report));
+    check_report(&report);
     check_fit(material, height, 0.1f);
     CHECK_OK(srbf_material_query(material, &a));
     CHECK(a.views == 6 && a.lobes == 6 && a.has_signed_factors == 0);
     CHECK_OK(srbf_material_free(material));
     settings.factor_nodes[2] = 3, settings.has_signed_factors = 1;
-    CHECK_OK(srbf_fit_brdf(&settings, gloss, &height, &material));
+    CHECK_OK(srbf_fit_brdf(&settings, gloss, &height, &material, NULL));
     check_fit(material, height, 0.1f);
     CHECK_OK(srbf_material_query(material, &a));
     CHECK(a.factor_nodes[2] == 3 && a.has_signed_factors == 1);
     CHECK_OK(srbf_material_free(material));
     settings = quick(), settings.error = 0.2;
-    CHECK_OK(srbf_fit_brdf(&settings, gloss, &height, &material));
+    CHECK_OK(srbf_fit_brdf(&settings, gloss, &height, &material, NULL));
     CHECK_OK(srbf_material_query(material, &a));
     CHECK(a.lobes < 6);
     CHECK_OK(srbf_material_free(material));
@@ -227,43 +247,46 @@ int main(int count, char **arguments) {
     /* Refusals. */
     material = NULL;
     CHECK_STATUS(SRBF_STATUS_NULL, srbf_fit_settings_default(NULL));
-    CHECK_STATUS(SRBF_STATUS_NULL, srbf_fit_brdf(&settings, NULL, NULL, &material));
-    CHECK_STATUS(SRBF_STATUS_NULL, srbf_fit_brdf(&settings, gloss, &height, NULL));
-    CHECK_STATUS(SRBF_STATUS_NULL, srbf_fit_table(&settings, N, NULL, &in, &values, &material));
-    CHECK_STATUS(SRBF_STATUS_NULL, srbf_fit_table(&settings, N, &o, &in, &values, NULL));
-    CHECK_STATUS(SRBF_STATUS_TABLE, srbf_fit_table(&settings, 0, &o, &in, &values, &material));
-    CHECK_STATUS(SRBF_STATUS_SIZE, srbf_fit_table(&settings, SIZE_MAX / 4, &o, &in, &values, &material));
+    CHECK(strncmp(srbf_last_message(), "settings: ", 10) == 0);
+    CHECK_STATUS(SRBF_STATUS_NULL, srbf_fit_brdf(&settings, NULL, NULL, &material, NULL));
+    CHECK_STATUS(SRBF_STATUS_NULL, srbf_fit_brdf(&settings, gloss, &height, NULL, NULL));
+    CHECK_STATUS(SRBF_STATUS_NULL, srbf_fit_table(&settings, N, NULL, &in, &values, &material, NULL));
+    CHECK_STATUS(SRBF_STATUS_NULL, srbf_fit_table(&settings, N, &o, &in, &values, NULL, NULL));
+    CHECK_STATUS(SRBF_STATUS_OVERLAP, srbf_fit_brdf(&settings, gloss, &height, &material, (srbf_fit_report *)&material));
+    CHECK(strncmp(srbf_last_message(), "report: ", 8) == 0);
+    CHECK_STATUS(SRBF_STATUS_TABLE, srbf_fit_table(&settings, 0, &o, &in, &values, &material, NULL));
+    CHECK_STATUS(SRBF_STATUS_SIZE, srbf_fit_table(&settings, SIZE_MAX / 4, &o, &in, &values, &material, NULL));
     const float good_wo[3] = {0, 0, 1}, bad[][3] = {{NAN, 0, 1}, {0, 0, 0}, {INFINITY, 0, 0}, {0, 0, 0.5f}};
     float good_wi[3];
     memcpy(good_wi, wi[7], sizeof good_wi);
     for (int i = 0; i < 4; i++) {
         memcpy(wo[7], bad[i], sizeof bad[i]);
-        CHECK_STATUS(SRBF_STATUS_DIRECTION, srbf_fit_table(&settings, N, &o, &in, &values, &material));
+        CHECK_STATUS(SRBF_STATUS_DIRECTION, srbf_fit_table(&settings, N, &o, &in, &values, &material, NULL));
         CHECK(strstr(srbf_last_message(), "sample 7") != NULL);
         memcpy(wo[7], good_wo, sizeof good_wo);
         memcpy(wi[7], bad[i], sizeof bad[i]);
-        CHECK_STATUS(SRBF_STATUS_DIRECTION, srbf_fit_table(&settings, N, &o, &in, &values, &material));
+        CHECK_STATUS(SRBF_STATUS_DIRECTION, srbf_fit_table(&settings, N, &o, &in, &values, &material, NULL));
         memcpy(wi[7], good_wi, sizeof good_wi);
     }
     f[7][1] = NAN;
-    CHECK_STATUS(SRBF_STATUS_TABLE, srbf_fit_table(&settings, N, &o, &in, &values, &material));
+    CHECK_STATUS(SRBF_STATUS_TABLE, srbf_fit_table(&settings, N, &o, &in, &values, &material, NULL));
     f[7][1] = 0.1f, wo[7][2] = -1;
-    CHECK_STATUS(SRBF_STATUS_TABLE, srbf_fit_table(&settings, N, &o, &in, &values, &material));
+    CHECK_STATUS(SRBF_STATUS_TABLE, srbf_fit_table(&settings, N, &o, &in, &values, &material, NULL));
     CHECK(strstr(srbf_last_message(), "no material can be fitted to the table: view at") != NULL);
     settings.lobes = 0;
-    CHECK_STATUS(SRBF_STATUS_ARGUMENT, srbf_fit_brdf(&settings, gloss, &height, &material));
+    CHECK_STATUS(SRBF_STATUS_ARGUMENT, srbf_fit_brdf(&settings, gloss, &height, &material, NULL));
     settings.lobes = 6, settings.squeezed_lobes = 7;
-    CHECK_STATUS(SRBF_STATUS_ARGUMENT, srbf_fit_brdf(&settings, gloss, &height, &material));
+    CHECK_STATUS(SRBF_STATUS_ARGUMENT, srbf_fit_brdf(&settings, gloss, &height, &material, NULL));
     settings.squeezed_lobes = 2, settings.smoothness = (double)NAN;
-    CHECK_STATUS(SRBF_STATUS_ARGUMENT, srbf_fit_brdf(&settings, gloss, &height, &material));
+    CHECK_STATUS(SRBF_STATUS_ARGUMENT, srbf_fit_brdf(&settings, gloss, &height, &material, NULL));
     settings = quick(), settings.views = 1;
-    CHECK_STATUS(SRBF_STATUS_ARGUMENT, srbf_fit_brdf(&settings, gloss, &height, &material));
+    CHECK_STATUS(SRBF_STATUS_ARGUMENT, srbf_fit_brdf(&settings, gloss, &height, &material, NULL));
     settings = quick(), settings.starts = 0;
-    CHECK_STATUS(SRBF_STATUS_ARGUMENT, srbf_fit_brdf(&settings, gloss, &height, &material));
+    CHECK_STATUS(SRBF_STATUS_ARGUMENT, srbf_fit_brdf(&settings, gloss, &height, &material, NULL));
     settings = quick(), settings.factor_nodes[0] = 1000000;
-    CHECK_STATUS(SRBF_STATUS_ARGUMENT, srbf_fit_brdf(&settings, gloss, &height, &material));
+    CHECK_STATUS(SRBF_STATUS_ARGUMENT, srbf_fit_brdf(&settings, gloss, &height, &material, NULL));
     settings = quick(), settings.error = -1;
-    CHECK_STATUS(SRBF_STATUS_ARGUMENT, srbf_fit_brdf(&settings, gloss, &height, &material));
+    CHECK_STATUS(SRBF_STATUS_ARGUMENT, srbf_fit_brdf(&settings, gloss, &height, &material, NULL));
     CHECK_STATUS(SRBF_STATUS_NULL, srbf_material_save(NULL, path));
     CHECK_STATUS(SRBF_STATUS_NULL, srbf_material_save(again, NULL));
     CHECK_STATUS(SRBF_STATUS_FILE, srbf_material_save(again, "/dev/null/a.srbf"));

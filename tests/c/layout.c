@@ -36,9 +36,16 @@ OFFSET(srbf_product_sampling, candidates, 0);
 OFFSET(srbf_product_sampling, lobe_share, 4);
 OFFSET(srbf_product_sampling, kappa, 8);
 
-SIZE(srbf_product_sample, 24);
+SIZE(srbf_product_sample, 36);
 OFFSET(srbf_product_sample, direction, 0);
 OFFSET(srbf_product_sample, weight, 12);
+OFFSET(srbf_product_sample, factor, 24);
+SIZE(srbf_light_rows, 448);
+OFFSET(srbf_light_rows, radiance, 192);
+OFFSET(srbf_light_rows, pdf, 384);
+SIZE(srbf_light_source, 3 * P);
+OFFSET(srbf_light_source, sample, P);
+OFFSET(srbf_light_source, evaluate, 2 * P);
 
 SIZE(srbf_view, 20);
 OFFSET(srbf_view, theta, 0);

@@ -155,10 +155,13 @@ static void test_request(const srbf_material *material, srbf_materials materials
     CHECK_STATUS(SRBF_STATUS_NULL, srbf_material_ask(material, N, NULL));
     request = all, request.size = 8;
     CHECK_STATUS(SRBF_STATUS_SIZE, srbf_material_ask(material, N, &request));
+    CHECK(strncmp(srbf_last_message(), "request->size: ", 15) == 0);
     request = all, request.wi.y = NULL;
     CHECK_STATUS(SRBF_STATUS_NULL, srbf_material_ask(material, N, &request));
+    CHECK(strncmp(srbf_last_message(), "request->wi: ", 13) == 0);
     request = all, request.value.stride = 2;
     CHECK_STATUS(SRBF_STATUS_STRIDE, srbf_material_ask(material, N, &request));
+    CHECK(strncmp(srbf_last_message(), "request->value: ", 16) == 0);
     request = all, request.samples.direction.x = NULL;
     CHECK_STATUS(SRBF_STATUS_ARGUMENT, srbf_material_ask(material, N, &request));
     request = all, request.pdf.values = &hits->value[1];

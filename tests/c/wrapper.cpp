@@ -145,6 +145,47 @@ static void use(const char *path) {
     CHECK(mixture_info.capacity == 64 && mixture_info.lobes == 1 && mixture_info.diffuse[0] == 0.5f);
 }
 
+/// A sky of one radiance, drawn evenly over the sphere; it may throw.
+struct Sky {
+    bool throws;
+
+    void sample(std::size_t count, const float (*u)[SRBF_LIGHT_BLOCK], srbf_light_rows &rows) const {
+        for (std::size_t i = 0; i < count; i++) {
+            const float z = 1 - 2 * u[0][i], radius = std::sqrt(1 - z * z), turn = 6.2831853f * u[1][i];
+            rows.direction[0][i] = radius * std::cos(turn);
+            rows.direction[1][i] = radius * std::sin(turn);
+            rows.direction[2][i] = z;
+        }
+        evaluate(count, rows);
+    }
+    void evaluate(std::size_t count, srbf_light_rows &rows) const {
+        if (throws) throw 1;
+        for (std::size_t i = 0; i < count; i++) {
+            for (auto &row : rows.radiance) row[i] = 2;
+            rows.pdf[i] = 0.0795775f;
+        }
+    }
+};
+
+static void any_light(const srbf::Mixture<16> &matte, const std::array<srbf::Vec3, 3> &frame) {
+    const srbf_product_sampling sampling = {8, 0.5f, 4};
+    std::array<float, 48> u = {};
+    for (std::size_t i = 0; i < u.size(); i++) u[i] = static_cast<float>(i * 29 % 48) / 48;
+    const srbf::Span<const float> few = {u.data(), 24};
+    srbf_product_sample drawn;
+    srbf_light_block block;
+    srbf_reflection reflection;
+    const Sky sky = {false}, broken = {true};
+    const srbf::LightSource light(sky), other(broken);
+    CHECK(!light.sample_product(matte, frame, sampling, few, 0.5f, drawn));
+    CHECK(drawn.factor[0] > 0 && std::fabs(drawn.factor[0] * 2 / drawn.weight[0] - 1) < 1e-5f);
+    CHECK(!light.draw_block(u, block) && block.pdf[0] > 0 && light.draw_block(few, block).code() == SRBF_STATUS_SIZE);
+    CHECK(!light.reflect(matte, block, frame, frame[2], few, 0.5f, reflection) && reflection.ray_factor > 0);
+    CHECK(light.reflect(matte, block, frame, frame[2], {u.data(), 5}, 0.5f, reflection).code() == SRBF_STATUS_SIZE);
+    CHECK(light.sample_product(matte, frame, sampling, u, 0.5f, drawn).code() == SRBF_STATUS_SIZE);
+    CHECK(other.sample_product(matte, frame, sampling, few, 0.5f, drawn).code() == SRBF_STATUS_LIGHT);
+}
+
 static void light() {
     std::size_t size = 0;
     CHECK(srbf_environment_size(2, 2, &size) == SRBF_STATUS_OK);
@@ -183,6 +224,7 @@ static void light() {
     CHECK(!again.reflect(matte, block, frame, frame[2], u, 0.5f, reflection) && reflection.ray.pdf > 0);
     CHECK(again.reflect(matte, block, frame, frame[2], {u.data(), 5}, 0.5f, reflection).code() == SRBF_STATUS_SIZE);
     CHECK(again.sample_product(matte, frame, sampling, {u.data(), 5}, 0.5f, product).code() == SRBF_STATUS_SIZE);
+    any_light(matte, frame);
 }
 
 /// Pairs of directions, of the material and of its expanded form: the same within the error of the rows.
@@ -278,12 +320,38 @@ static void sheets(const char *material, const char *path) {
     CHECK(std::fabs(samples[3].pdf / sample.pdf - 1) < 1e-3f);
 }
 
+static void blends(const char *path) {
+    srbf::Material material, other;
+    CHECK(!material.load(path) && !other.load(path));
+    std::array<srbf_blend_part, 4> parts{srbf::blend::part(material, 0.7f), srbf::blend::part(other, 0.3f), srbf::blend::part(material, 0.1f),
+                                         srbf::blend::part(other, 0.2f)};
+    const srbf::Vec3 wo{0.6f, 0, 0.8f}, wi{0, 0, 1}, u{0.9f, 0.3f, 0.6f};
+    srbf::Vec3 value{}, alone{}, albedo{};
+    float pdf = 0, density = 0, left = 0;
+    srbf_sample sample{}, same{};
+    /* Of one material twice, so that the sum is known. */
+    const srbf::Span<const srbf_blend_part> two(parts.data(), 2);
+    CHECK(!srbf::blend::evaluate_and_pdf(two, wo, wi, value, pdf) && !material.evaluate_and_pdf(wo, wi, alone, density));
+    CHECK(std::fabs(value[1] - alone[1]) <= 1e-4f * alone[1] && std::fabs(pdf - density) <= 1e-4f * density);
+    CHECK(!srbf::blend::sample(two, wo, u, sample) && !srbf::blend::sample_and_evaluate(two, wo, u, same, wi, value, pdf));
+    CHECK(sample.pdf == same.pdf && !srbf::blend::albedo(two, wo, albedo) && albedo[0] > 0);
+    srbf_blend_part chosen;
+    CHECK(!srbf::blend::choose(two, 0.9f, chosen, left) && chosen.material == other.get() && left > 0.6f && left < 0.7f);
+    const std::array<srbf::Vec3, 2> views{wo, wo}, lights{wi, wi};
+    std::array<float, 2> densities{};
+    CHECK(!srbf::blend::ask(two, srbf::Request().wo(views).wi(lights).pdf(densities)) && std::fabs(densities[1] - pdf) <= 1e-4f * pdf);
+    CHECK(!srbf::blend::ask_each(parts, 2, srbf::Request().wo(views).wi(lights).pdf(densities)) && densities[1] > 0);
+    CHECK(srbf::blend::ask_each(parts, 3, srbf::Request().wo(views).wi(lights).pdf(densities)).code() == SRBF_STATUS_SIZE);
+    CHECK(srbf::blend::sample({}, wo, u, sample).code() == SRBF_STATUS_ARGUMENT);
+}
+
 int main(int count, char **arguments) {
     CHECK(count == 3);
     use(arguments[1]);
     pairs(arguments[1]);
     light();
     sheets(arguments[1], arguments[2]);
+    blends(arguments[1]);
     std::printf("wrapper: passed\n");
     return 0;
 }

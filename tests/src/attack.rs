@@ -9,6 +9,8 @@
 //! To add a format: a function here, a line in [`TARGETS`], seeds in `tests/src/bin/seeds.rs`.
 
 // With their paths, as `fuzz/src/lib.rs` compiles this file too, by its path.
+#[path = "attack/blend.rs"]
+mod blend;
 #[path = "attack/environment.rs"]
 mod environment;
 #[path = "attack/input.rs"]
@@ -46,6 +48,7 @@ const fn target(name: &'static str, run: fn(&[u8]) -> bool) -> Target {
 pub const TARGETS: &[Target] = &[
     #[cfg(feature = "readers")]
     target("astm", tables::astm),
+    target("blend", blend::blend),
     #[cfg(feature = "readers")]
     target("cornell", tables::cornell),
     #[cfg(feature = "readers")]

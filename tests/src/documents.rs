@@ -1,8 +1,15 @@
 // The examples of the documentation: blocks of code in Markdown. Included by the build script too, hence no `//!`.
 
 /// Documents whose blocks of Rust, C and C++ are compiled and run.
-pub const DOCUMENTS: [&str; 5] =
-    ["README.md", "docs/integrate.md", "docs/use-from-c.md", "docs/use-from-cpp.md", "docs/verbs.md"];
+pub const DOCUMENTS: [&str; 7] = [
+    "docs/any-light.md",
+    "docs/blends.md",
+    "docs/integrate.md",
+    "docs/use-from-c.md",
+    "docs/use-from-cpp.md",
+    "docs/use-from-rust.md",
+    "docs/verbs.md",
+];
 
 /// A block of code.
 pub struct CodeBlock {

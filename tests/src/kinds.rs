@@ -3,7 +3,10 @@
 use crate::inputs::{Random, levels};
 use crate::seeds::same_without_azimuth;
 use glam::Vec3;
-use srbf_core::{FactorTable, Level, Line, Material, PackOptions, PlaneLobe, View};
+use srbf_core::{
+    FactorTable, Grid, GridView, Level, Line, Material, PackOptions, PlaneLobe, TiltedLobe, View,
+};
+use std::f32::consts::{FRAC_PI_2, TAU};
 
 /// Bytes of a material of a kind, in views at uneven angles.
 ///
@@ -162,6 +165,80 @@ pub fn materials() -> Vec<(&'static str, Vec<u8>)> {
     all.push(("64 lobes in long codes", of(5, PackOptions { bits: 16, channels: 3 })));
     all.push(("grey factors in codes", of(6, PackOptions { bits: 8, channels: 1 })));
     all
+}
+
+/// An anisotropic material.
+///
+/// Lobes follow the mirror direction but for their own width; with `turns` 4 those in the planes of mirrors lie in them.
+fn turned(lobes: usize, squeezed: usize, azimuths: usize, turns: usize, has_factors: bool) -> Vec<u8> {
+    const THETAS: [f32; 4] = [0.0, 0.4, 0.9, 1.4];
+    let mut random = Random(62 + lobes as u64);
+    let (axis, phase) = if turns == 4 { (0.4, 0.0) } else { (0.0, 0.3) };
+    let places = (0..1 + 3 * azimuths).map(|view| {
+        let step =
+            if turns == 4 { FRAC_PI_2 / (azimuths - 1) as f32 } else { TAU / (turns * azimuths) as f32 };
+        let (ring, along) = (view + azimuths - 1, (view + azimuths - 1) % azimuths);
+        if view == 0 {
+            (0.0, 0.0, false)
+        } else {
+            (THETAS[ring / azimuths], step * along as f32, along > 0 && along < azimuths - 1)
+        }
+    });
+    let mut view = |(theta, turn, is_between): (f32, f32, bool)| {
+        let aside = if turns == 4 && !is_between { 0.0 } else { 1.0 };
+        let mut lobe = |k: usize| {
+            let log2_sharpness = 1.0 + 9.0 * (k as f32 + 0.5) / lobes as f32;
+            let width = (-0.5 * log2_sharpness).exp2().min(0.3);
+            TiltedLobe {
+                tilt: [theta + width * random.between(-0.5, 0.5), aside * width * random.between(-1.0, 1.0)],
+                log2_sharpness: log2_sharpness + 0.5 * (2.0 * (turn - phase)).cos(),
+                log2_luminance: log2_sharpness - 7.0 + random.between(-0.5, 0.5),
+                color_differences: [random.between(-0.4, 0.4), random.between(-0.4, 0.4)],
+            }
+        };
+        let lobes: Vec<TiltedLobe> = (0..lobes).map(&mut lobe).collect();
+        let (sin, cos) = (2.0 * (turn - phase)).sin_cos();
+        ([-cos, sin, cos + theta], lobes)
+    };
+    let views: Vec<([f32; 3], Vec<TiltedLobe>)> = places.map(&mut view).collect();
+    let views: Vec<GridView<'_>> = views
+        .iter()
+        .map(|(log2_squeeze, lobes)| GridView {
+            log2_squeeze: *log2_squeeze,
+            log2_diffuse: -4.0,
+            diffuse_color_differences: [0.3, -0.2],
+            lobes,
+        })
+        .collect();
+    const NODES: usize = 6;
+    let factors: Vec<[f32; 3]> =
+        (0..NODES * NODES).map(|n| [0.8, 1.0, 1.2].map(|f| f + 0.3 * (n as f32 * 0.7).sin())).collect();
+    let albedo_differences = vec![[0.1; 3]; views.len()];
+    let table = FactorTable {
+        half: NODES,
+        difference: NODES,
+        azimuth: 1,
+        is_signed: false,
+        factors: &factors,
+        albedo_differences: &albedo_differences,
+    };
+    let factors = has_factors.then_some(table);
+    let grid = Grid { thetas: &THETAS, azimuths, turns, axis, views: &views, squeezed, factors };
+    let mut bytes = vec![0; grid.encoded_len("")];
+    grid.encode("", &mut bytes).expect("a valid material");
+    bytes
+}
+
+/// Anisotropic materials: with mirrors, with factors, of more lobes than a group has, each in numbers and in codes.
+pub fn turned_materials() -> Vec<(&'static str, Vec<u8>)> {
+    let plain = [turned(12, 7, 4, 4, false), turned(5, 5, 5, 1, true), turned(40, 11, 3, 2, false)];
+    let codes = [(8, 3), (8, 1), (16, 3)];
+    let of = |k: usize| packed(&plain[k], PackOptions { bits: codes[k].0, channels: codes[k].1 });
+    let in_codes = [of(0), of(1), of(2)];
+    let names = ["mirrors", "turned factors", "40 turned lobes"];
+    let names_in_codes =
+        ["mirrors in codes", "grey turned factors in codes", "40 turned lobes in long codes"];
+    names.into_iter().chain(names_in_codes).zip(plain.into_iter().chain(in_codes)).collect()
 }
 
 /// A material in codes.

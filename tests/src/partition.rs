@@ -56,50 +56,57 @@ pub struct Partition {
 struct Feature {
     axis: DVec3,
     width: f64,
-    squeezed: bool,
+    /// Place of the frame that it is in.
+    frame: usize,
+}
+
+/// How lobes see directions: turned, and squeezed along and across.
+#[derive(Clone, Copy)]
+struct Frame {
+    azimuth: [f64; 2],
+    squeeze: [f64; 2],
+}
+
+impl Frame {
+    fn see(&self, d: DVec3) -> DVec3 {
+        let ([c, s], [along, across]) = (self.azimuth, self.squeeze);
+        DVec3::new((d.x * c + d.y * s) / along, (d.y * c - d.x * s) / across, d.z).normalize()
+    }
 }
 
 struct Builder<'a, F> {
     pdf: F,
     features: Vec<Feature>,
-    /// Along and across.
-    squeeze: [f64; 2],
-    azimuth: [f64; 2],
+    /// Of each mixture, for round lobes and for squeezed ones.
+    frames: Vec<Frame>,
     share: &'a mut Vec<f64>,
 }
 
 impl<F: Fn(Vec3) -> f32> Builder<'_, F> {
-    /// The direction as round and as squeezed lobes see it.
-    fn seen(&self, d: DVec3) -> [DVec3; 2] {
-        let [c, s] = self.azimuth;
-        let turned = DVec3::new(d.x * c + d.y * s, d.y * c - d.x * s, d.z);
-        let [along, across] = self.squeeze;
-        [turned, DVec3::new(turned.x / along, turned.y / across, turned.z).normalize()]
-    }
-
     /// Which of the features reach into the cell, and whether the density may vary too fast over it for nine points.
     fn look(&self, cell: &Cell, near: &[usize]) -> (Vec<usize>, bool) {
-        let middle = self.seen(cell.at(0.5, 0.5));
-        let mut radius = [0f64; 2];
-        for (x, y) in
+        let rim =
             [(0.0, 0.0), (0.0, 1.0), (1.0, 0.0), (1.0, 1.0), (0.5, 0.0), (0.0, 0.5), (1.0, 0.5), (0.5, 1.0)]
-        {
-            let rim = self.seen(cell.at(x, y));
-            for i in 0..2 {
-                radius[i] = radius[i].max((middle[i] - rim[i]).length());
-            }
-        }
+                .map(|(x, y)| cell.at(x, y));
         // Chords stand for angles: of a quarter turn and more they are too short.
-        let radius = radius.map(|r| if r > 1.0 { 4.0 } else { 1.1 * r });
-        let mut coarse = radius[0] > 0.3 || self.squeeze != [1.0; 2] && radius[1] > 0.2;
+        let chord = |frame: &Frame| {
+            let middle = frame.see(cell.at(0.5, 0.5));
+            let radius = rim.iter().map(|d| (middle - frame.see(*d)).length()).fold(0.0, f64::max);
+            (middle, if radius > 1.0 { 4.0 } else { 1.1 * radius })
+        };
+        let seen: Vec<(DVec3, f64)> = self.frames.iter().map(chord).collect();
+        let is_coarse = |(frame, (_, radius)): (&Frame, &(DVec3, f64))| {
+            *radius > if frame.squeeze == [1.0; 2] { 0.3 } else { 0.2 }
+        };
+        let mut coarse = self.frames.iter().zip(&seen).any(is_coarse);
         let mut inside = Vec::with_capacity(near.len());
         for &k in near {
             let f = &self.features[k];
-            let i = usize::from(f.squeezed);
-            let reach = radius[i] + 6.0 * f.width;
-            if (middle[i] - f.axis).length_squared() < reach * reach {
+            let (middle, radius) = seen[f.frame];
+            let reach = radius + 6.0 * f.width;
+            if (middle - f.axis).length_squared() < reach * reach {
                 inside.push(k);
-                coarse |= radius[i] > 0.6 * f.width;
+                coarse |= radius > 0.6 * f.width;
             }
         }
         (inside, coarse)
@@ -143,33 +150,42 @@ impl<F: Fn(Vec3) -> f32> Builder<'_, F> {
 impl Partition {
     /// Splits the domain of a mixture by its density.
     pub fn new(m: &AnyMixture<'_>, pdf: impl Fn(Vec3) -> f32) -> Self {
-        let azimuth = m.azimuth_cos_sin().map(f64::from);
-        let squeeze = [m.squeeze_along(), m.squeeze()].map(f64::from);
-        let mut features: Vec<Feature> = (0..m.len())
-            .flat_map(|k| {
+        Self::of_all(&[m], pdf)
+    }
+
+    /// Splits the domain of mixtures by a density that has features of all of them.
+    pub fn of_all(mixtures: &[&AnyMixture<'_>], pdf: impl Fn(Vec3) -> f32) -> Self {
+        let (mut frames, mut features) = (Vec::new(), Vec::new());
+        for m in mixtures {
+            let azimuth = m.azimuth_cos_sin().map(f64::from);
+            let squeeze = [m.squeeze_along(), m.squeeze()].map(f64::from);
+            let (turned, squeezed) = (frames.len(), frames.len() + 1);
+            frames.extend([Frame { azimuth, squeeze: [1.0; 2] }, Frame { azimuth, squeeze }]);
+            features.extend((0..m.len()).flat_map(|k| {
                 let g = m.lobe(k).expect("lobe").gaussian;
                 let width = (1.0 / f64::from(g.sharpness).sqrt()).min(0.5);
                 let axis = g.axis.as_dvec3();
                 let image = DVec3::new(axis.x, axis.y, -axis.z);
-                [axis, image].map(|axis| Feature { axis, width, squeezed: k < m.squeezed_len() })
-            })
-            .collect();
-        // The change of solid angle is steep where the squeeze gathers directions: where the direction is multiplied most.
-        for (axis, c) in [(DVec3::X, squeeze[0]), (DVec3::Y, squeeze[1])] {
-            if c < 1.0 {
-                features.extend([axis, -axis].map(|axis| Feature { axis, width: c, squeezed: true }));
+                let frame = if k < m.squeezed_len() { squeezed } else { turned };
+                [axis, image].map(|axis| Feature { axis, width, frame })
+            }));
+            // The change of solid angle is steep where the squeeze gathers directions: where the direction is multiplied most.
+            for (axis, c) in [(DVec3::X, squeeze[0]), (DVec3::Y, squeeze[1])] {
+                if c < 1.0 {
+                    features.extend([axis, -axis].map(|axis| Feature { axis, width: c, frame: squeezed }));
+                }
+            }
+            let widest = squeeze[0].max(squeeze[1]);
+            if widest > 1.0 {
+                // Widened, the horizon's surroundings are gathered at the normal.
+                features.push(Feature { axis: DVec3::Z, width: 1.0 / widest, frame: squeezed });
             }
         }
-        let widest = squeeze[0].max(squeeze[1]);
-        if widest > 1.0 {
-            // Widened, the horizon's surroundings are gathered at the normal.
-            features.push(Feature { axis: DVec3::Z, width: 1.0 / widest, squeezed: true });
-        }
-        let widest = if m.domain() == Domain::Hemisphere { 0.5 * PI } else { PI };
-        let root = Cell { theta: [0.0, widest], phi: [-PI, PI] };
+        let upper = mixtures.iter().all(|m| m.domain() == Domain::Hemisphere);
+        let root = Cell { theta: [0.0, if upper { 0.5 * PI } else { PI }], phi: [-PI, PI] };
         let mut share = Vec::new();
         let all: Vec<usize> = (0..features.len()).collect();
-        let (tree, _) = Builder { pdf, features, squeeze, azimuth, share: &mut share }.build(&root, &all, 0);
+        let (tree, _) = Builder { pdf, features, frames, share: &mut share }.build(&root, &all, 0);
         Self { root, tree, share }
     }
 

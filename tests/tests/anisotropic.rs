@@ -545,23 +545,36 @@ fn samples_follow_the_density_and_their_weights_the_albedo() {
 fn a_fit_is_drawn_by_its_density_at_every_angle_and_turn() {
     let content = srbf_fit::read::read("model:ggx:alpha_x=0.15,alpha_y=0.4,f0=0.9".as_ref()).unwrap().content;
     let view_angles = Some(vec![0.0, 0.5, 1.0, 1.4]);
-    let settings = srbf_fit::Settings { lobes: 6, starts: 1, steps: 10, view_angles, ..Default::default() };
-    let fit = srbf_fit::fit_content(&content, &settings, |_| {}).unwrap();
+    // With factors the albedo is interpolated, and weights vary.
+    let factors = srbf_fit::FactorNodes::None;
+    let few = srbf_fit::Settings { lobes: 6, starts: 1, steps: 10, ..Default::default() };
+    let fit =
+        srbf_fit::fit_content(&content, &srbf_fit::Settings { view_angles, factors, ..few }, |_| {}).unwrap();
     let material = Material::from_bytes(fit.bytes).unwrap();
     let views: Vec<(f32, f32)> =
         (0..24).map(|n| (0.12 + 0.23 * (n % 6) as f32, 0.3 + 1.57 * (n / 6) as f32)).collect();
     let (level, draws, mut random) = (sidak(0.01, views.len()), 100_000, Random(62));
+    let srbf_fit::read::Content::Evaluable(model) = &content else { panic!("a model") };
+    let mut energy = 0f64;
     for (theta, phi) in views {
         let m = prepare(&material, direction(theta, phi));
         let partition = Partition::new(&m, |d| m.pdf(d));
         assert!((partition.total() - 1.0).abs() < 5e-5, "{theta} {phi}: {}", partition.total());
-        let (mut sum, mut square, mut largest) = (0.0, 0.0, 0f64);
+        // A white furnace: light from everywhere comes back as the albedo says, and no more than falls on it.
+        let furnace = Partition::new(&m, |d| m.evaluate(d).x).total();
+        assert!((furnace / f64::from(m.albedo().x) - 1.0).abs() < 5e-5, "{theta} {phi}: {furnace}");
+        assert!(furnace < 1.0, "{theta} {phi}: {furnace}");
+        let (mut sum, mut square, mut largest, mut truth) = (0.0, 0.0, 0f64, 0.0);
+        let wo = direction(theta, phi).as_dvec3().to_array();
         let result = partition.test(draws, || {
             let sample = m.sample(random.three()).expect("the mixture is not black");
             let weight = f64::from(sample.weight.x);
             (sum, square, largest) = (sum + weight, square + weight * weight, largest.max(weight));
+            let wi = sample.direction.as_dvec3();
+            truth += model.evaluate(wi.to_array(), wo)[0] * wi.z / f64::from(sample.pdf);
             sample.direction
         });
+        energy = energy.max((truth / sum - 1.0).abs());
         assert!(result.p > level, "{theta} {phi}: p = {:e}, level {level:e}", result.p);
         assert!(largest < 20.0, "{theta} {phi}: a weight of {largest}");
         let (n, albedo) = (draws as f64, f64::from(m.albedo().x));
@@ -572,6 +585,8 @@ fn a_fit_is_drawn_by_its_density_at_every_angle_and_turn() {
             "{theta} {phi}: {mean} {albedo} +- {error}"
         );
     }
+    println!("energy off by {:.2} %", 100.0 * energy);
+    assert!(energy < 0.01, "{energy}");
 }
 
 #[test]

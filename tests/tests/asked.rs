@@ -4,7 +4,7 @@
 use glam::Vec3;
 use srbf_core::{AnyMixture, Draws, Error, Material, Mixture, Processor, Request, Sample, Towards};
 use srbf_tests::inputs::Random;
-use srbf_tests::kinds::{Soa, for_each_level, materials, upper};
+use srbf_tests::kinds::{Soa, for_each_level, materials, turned_materials, upper};
 use srbf_tests::partition::Partition;
 use srbf_tests::statistics::sidak;
 
@@ -13,7 +13,7 @@ const OFF: f32 = 1e-5;
 
 fn all() -> Vec<(&'static str, Material<Vec<u8>>)> {
     let make = |(name, bytes)| (name, Material::from_bytes(bytes).expect("a valid material"));
-    materials().into_iter().map(make).collect()
+    materials().into_iter().chain(turned_materials()).map(make).collect()
 }
 
 /// Distance of a draw from another, in widths of the lobes there.

@@ -1,4 +1,4 @@
-//! The examples of README and guides, copied from there, compiled and run.
+//! The examples of the guides, copied from there, compiled and run.
 //!
 //! A block of Rust is the body of a function that returns a `Result`. A block of C or C++ that has a `main` is a program; any other is
 //! the body of one, after the lines that `docs/integrate.md` states.
@@ -19,7 +19,7 @@ fn blocks_of_rust_run() {
     for (document, line, run) in EXAMPLES {
         run().unwrap_or_else(|error| panic!("{document}, line {line}: {error}"));
     }
-    let documents = ["README.md", "docs/integrate.md"];
+    let documents = ["docs/use-from-rust.md", "docs/integrate.md"];
     assert!(documents.iter().all(|d| EXAMPLES.iter().any(|e| e.0 == *d)));
 }
 

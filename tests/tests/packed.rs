@@ -1,9 +1,10 @@
 //! Materials in codes of 8 or 16 bits: they give the values of their plain numbers, at every level and by every call. Their numbers are as
 //! near to those of the whole material as their bits allow.
 
-use srbf_core::{Expanded, FormatError, Material, Mixture, PackOptions};
+use srbf_core::{Expanded, FormatError, Line, Material, Mixture, PackOptions, PlaneLobe, View};
 use srbf_tests::inputs::Random;
 use srbf_tests::kinds::{KINDS, for_each_level, materials, packed, upper};
+use std::f32::consts::{FRAC_PI_2, PI};
 
 const WAYS: [PackOptions; 4] = [
     PackOptions { bits: 8, channels: 3 },
@@ -125,6 +126,59 @@ fn numbers_are_as_near_as_their_bits_allow() {
         let apart = |v| (whole.view_theta(v).unwrap() - small.view_theta(v).unwrap()).abs();
         assert!((0..whole.view_count()).all(|v| apart(v) <= 1.3e-5), "{name}");
     }
+}
+
+/// A number at the very end of its range has a code within it, whatever the others of its row are: scales are rounded to 16 bits.
+#[test]
+fn numbers_at_the_ends_of_their_ranges_have_codes() {
+    let mut count = 0;
+    for ends in [
+        [-PI, -PI],
+        [PI, PI],
+        [-PI, PI],
+        [PI, PI.next_down()],
+        [-PI, 1.3],
+        [0.7, PI],
+        [-PI.next_down(), -3.0],
+    ] {
+        for thetas in [[0.4, 1.5], [1.2, FRAC_PI_2], [0.001, 0.9]] {
+            let lobe = |angle: f32| PlaneLobe {
+                angle,
+                off_plane: 0.5 * angle,
+                log2_sharpness: if angle < 0.0 { -100.0 } else { 26.5 },
+                log2_luminance: if angle < 0.0 { -126.0 } else { 60.0 },
+                color_differences: [16.0, -16.0],
+            };
+            let normal = [PlaneLobe { angle: 0.0, off_plane: 0.0, ..lobe(1.0) }; 2];
+            let lobes = ends.map(|angle| [PlaneLobe { off_plane: 0.0, ..lobe(angle) }, lobe(angle)]);
+            let view = |theta, log2_squeeze, lobes| View {
+                theta,
+                log2_squeeze,
+                log2_diffuse: 2.0,
+                diffuse_color_differences: [-16.0, 16.0],
+                lobes,
+            };
+            let views = [
+                view(0.0, 0.0, &normal[..]),
+                view(thetas[0], -6.64, &lobes[0]),
+                view(thetas[1], 1.0, &lobes[1]),
+            ];
+            let line = Line { views: &views, squeezed: 1, mirrored: 1, factors: None };
+            let mut bytes = vec![0; line.encoded_len("ends")];
+            line.encode("ends", &mut bytes).unwrap();
+            let material = Material::from_bytes(bytes).unwrap();
+            for options in WAYS {
+                let mut small = vec![0; material.packed_len(options, "")];
+                assert_eq!(
+                    material.pack(options, "", &mut small),
+                    Ok(small.len()),
+                    "{ends:?} {thetas:?} {options:?}"
+                );
+                count += usize::from(Material::from_bytes(small).is_ok());
+            }
+        }
+    }
+    assert_eq!(count, 7 * 3 * WAYS.len());
 }
 
 #[test]

@@ -190,19 +190,19 @@ impl Fitted for ThesisFit {
             .map(|l| (0..3).map(|c| f64::from(LUMINANCE[c]) * l.amplitude[c]).sum::<f64>())
             .collect();
         let total: f64 = power.iter().zip(&lobes).map(|(p, l)| p * l.unit_integral()).sum();
-        Ok(Box::new(Blend { lobes, power, total }))
+        Ok(Box::new(BlendedViews { lobes, power, total }))
     }
 }
 
 /// The lobes of the views that are blended at one outgoing direction.
-struct Blend {
+struct BlendedViews {
     lobes: Vec<RoundLobe>,
     /// Luminance of each lobe's amplitude.
     power: Vec<f64>,
     total: f64,
 }
 
-impl FittedView for Blend {
+impl FittedView for BlendedViews {
     fn f_cos(&self, direction: [f64; 3]) -> [f64; 3] {
         lobes::evaluate(&self.lobes, &direction).map(|v| v * direction[2])
     }

@@ -143,7 +143,7 @@ fn threads_do_not_matter() {
 /// Nothing to see, and settings out of range, are no panic.
 #[test]
 fn black_and_bad_settings_are_survived() {
-    let directions = [[0.0, 0.0, 1.0], [0.6, 0.0, 0.8], [-0.6, 0.0, 0.8], [0.0, 0.6, 0.8], [0.0, -0.6, 0.8]];
+    let directions = [[0.0, 0.0, 1.0], [0.6, 0.0, 0.8], [-0.6, 0.0, 0.8], [0.0, 0.6, 0.8], [0.0, -0.8, 0.6]];
     let mut black = Table::from_scattered(vec![(0.3, directions.map(|d| (d, [0.0; 3])).to_vec())]).unwrap();
     black.views[0].samples.iter_mut().for_each(|sample| sample.rgb = [0.0; 3]);
     let methods: [&dyn Method; 3] =

@@ -276,11 +276,15 @@ fn negative_values_give_sound_materials() {
 #[test]
 fn few_repeated_and_one_sided_samples_give_sound_materials() {
     let one = |theta| (theta, vec![(direction(0.4, 0.1), [FLAT; 3])]);
-    for few in [vec![one(0.5)], vec![one(0.1), one(0.1000001), one(1.5)]] {
+    for few in [
+        vec![one(0.5)],
+        vec![one(0.1), one(0.1000001), one(1.5)],
+        vec![one(0.1), one(0.1000001), one(0.5), one(1.0), one(1.5)],
+        vec![(0.5, vec![(direction(0.4, 0.1), [FLAT; 3]); 200])],
+    ] {
         assert!(sound(few).unwrap_err().to_string().contains("need 5 at least"));
     }
-    sound(vec![one(0.1), one(0.1000001), one(0.5), one(1.0), one(1.5)]).unwrap();
-    sound(vec![(0.5, vec![(direction(0.4, 0.1), [FLAT; 3]); 200])]).unwrap();
+    sound(vec![one(0.1), one(0.1000001), one(0.3), one(0.5), one(1.0), one(1.5)]).unwrap();
     let mut half = table(|_, _| FLAT);
     half.iter_mut().for_each(|(_, samples)| samples.retain(|(d, _)| d[0] > 0.0));
     sound(half).unwrap();

@@ -44,8 +44,8 @@ export function start(program) {
     return { send, on, end };
 }
 
-/** Opens a page: `call(expression)`, `send`, `key`, `screenshot`. Errors of the page are collected in `errors`. */
-export async function open(browser, url, { width = 1280, height = 900, scheme = "light" } = {}) {
+/** Opens a page, after a script `before` its own: `call(expression)`, `send`, `key`, `screenshot`. Errors of the page are collected in `errors`. */
+export async function open(browser, url, { width = 1280, height = 900, scheme = "light", before = null } = {}) {
     const { targetId } = await browser.send("Target.createTarget", { url: "about:blank" });
     const { sessionId } = await browser.send("Target.attachToTarget", { targetId, flatten: true });
     const send = (method, params) => browser.send(method, params, sessionId);
@@ -56,6 +56,7 @@ export async function open(browser, url, { width = 1280, height = 900, scheme = 
     await send("DOM.enable");
     await send("Emulation.setDeviceMetricsOverride", { width, height, deviceScaleFactor: 1, mobile: width < 600 });
     await send("Emulation.setEmulatedMedia", { features: [{ name: "prefers-color-scheme", value: scheme }] });
+    if (before) await send("Page.addScriptToEvaluateOnNewDocument", { source: before });
     await send("Page.navigate", { url });
     const call = async (expression) => {
         const { result, exceptionDetails } = await send("Runtime.evaluate", { expression, awaitPromise: true, returnByValue: true });

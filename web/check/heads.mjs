@@ -18,8 +18,9 @@ process.on("exit", () => rmSync(place, { recursive: true, force: true }));
 for (const name of readdirSync(join(root, "web", "page")).filter((name) => name.endsWith(".js"))) copyFileSync(join(root, "web", "page", name), join(place, name));
 writeFileSync(join(place, "package.json"), `{ "type": "module" }`);
 globalThis.self = globalThis;
-const { looked, opened } = await import(pathToFileURL(join(place, "opener.js")));
+const { lobesOf, looked, opened } = await import(pathToFileURL(join(place, "opener.js")));
 const { quartersOf, received, wordsOf } = await import(pathToFileURL(join(place, "words.js")));
+const { radiance } = await import(pathToFileURL(join(place, "radiance.js")));
 
 // The worker of the page, with a fitter that gives the file back.
 const memory = { buffer: new ArrayBuffer(1 << 16) };
@@ -187,5 +188,37 @@ for (const part of [ofThePage, ofSheets, ofTheWorker, ofThePackage]) {
     // A fault of the code is no failure of a test.
     await part().catch((error) => { console.log(error.stack); process.exit(3); });
 }
+// A mirrored lobe stands for two.
+const red = new Uint8Array(readFileSync(join(root, "presets", "garnet_red.srbf")));
+expectThat(lobesOf(wordsOf(red, "red", 1024)) === 12, "mirrored lobes are counted");
+
+// Pictures of light: rows as they are, and by runs of both kinds; then any damage, which gives a sentence or a picture, never another fault.
+const headOf = (width, height) => new TextEncoder().encode(`#?RADIANCE\nEXPOSURE=2\nFORMAT=32-bit_rle_rgbe\n\n-Y ${height} +X ${width}\n`);
+const fileOf = (width, height, rows) => Uint8Array.from([...headOf(width, height), ...rows]);
+const [red0, grey] = [[128, 0, 0, 129], [128, 128, 128, 130]];
+const flat = radiance(fileOf(2, 2, [...red0, ...grey, ...grey, ...red0]), "flat");
+expectThat([0.5, 0, 0, 1, 1, 1, 1, 1].every((v, n) => flat.numbers[n] === v), `pixels are numbers: ${flat.numbers}`);
+const repeated = radiance(fileOf(4, 1, [...red0, 1, 1, 1, 2, ...grey]), "repeated");
+expectThat([0, 4, 8, 12].every((at, n) => repeated.numbers[at] === [0.5, 0.5, 0.5, 1][n]), "old runs repeat a pixel");
+const runs = fileOf(8, 1, [2, 2, 0, 8, 128 + 8, 128, 4, 1, 2, 3, 4, 128 + 4, 9, 128 + 8, 0, 128 + 8, 129]);
+expectThat(radiance(runs, "runs").numbers[4 * 2 + 1] === 3 / 256, "new runs are of one channel");
+let sentences = 0;
+const damaged = (bytes) => {
+    try {
+        const { width, height, numbers } = radiance(bytes, "damaged.hdr");
+        return numbers.length === 4 * width * height;
+    } catch (error) {
+        sentences += 1;
+        return error.constructor === Error && error.message.startsWith("damaged.hdr: ");
+    }
+};
+let isSound = true, seed = 1;
+const some = (n) => (seed = (seed * 48271) % 2147483647) % n;
+for (let n = 0; n <= runs.length; n++) isSound &&= damaged(runs.slice(0, n));
+for (let n = 0; n < 20000; n++) isSound &&= damaged(runs.map((byte) => (some(12) === 0 ? some(256) : byte)));
+for (const [width, height] of [[0, 4], [16384, 16384], [99999, 1], [1e9, 1e9], [4, 16384]]) isSound &&= damaged(fileOf(width, height, [0, 0, 0, 0]));
+for (const text of ["", "#?", "v/1\x01", `#?${"a".repeat(1 << 15)}`, "#?RADIANCE\nFORMAT=32-bit_rle_xyze\n\n-Y 1 +X 1\nabcd", "#?RADIANCE\nEXPOSURE=0\n\n-Y 1 +X 1\nabcd"]) isSound &&= damaged(new TextEncoder().encode(text));
+expectThat(isSound && sentences > 1000, `damaged pictures are refused in a sentence (${sentences})`);
+
 console.log(failed === 0 ? `test result: ok. ${passed} passed` : `error: test failed, ${failed} of ${passed + failed}`);
 process.exit(failed === 0 ? 0 : 1);

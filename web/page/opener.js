@@ -10,8 +10,11 @@ const BINARY = [[..."tensor_file"].map((c) => c.charCodeAt(0)), [90, 0, 0, 0, 90
 const LOOKED_AT = 4096; // bytes of a file that are looked at before it is read
 const MOST_MEASURED = 1 << 28; // bytes of a measurement; a MERL file has an eighth of it
 
-/** Whether the page has a fitter beside it. */
-export const hasFitter = () => typeof self.srbfFitter === "string";
+/** Whether `srbf view` answers questions: the page is its own. */
+const hasServer = () => self.srbfServer === true;
+
+/** Whether the page has a fitter beside it, or a program that fits. */
+export const hasFitter = () => hasServer() || typeof self.srbfFitter === "string";
 
 let compiled = null;
 function module() {
@@ -67,8 +70,41 @@ function work() {
     };
 }
 
+/** A question to `srbf view`: lines with the share that is done, one with the length of a text or with an error, the text, and bytes. */
+function askServer({ file, bytes, format }, onShare) {
+    const aborter = new AbortController();
+    const path = file ? `open?${encodeURIComponent(file.name)}` : `export?${encodeURIComponent(format)}`;
+    const answered = async () => {
+        const response = await fetch(path, { method: "POST", body: file ?? bytes, signal: aborter.signal });
+        if (!response.ok) throw new Error((await response.text()).trim());
+        const reader = response.body.getReader();
+        let all = new Uint8Array(0);
+        for (let length = null; ;) {
+            const { done, value } = await reader.read();
+            if (!done) {
+                const joined = new Uint8Array(all.length + value.length);
+                joined.set(all);
+                joined.set(value, all.length);
+                all = joined;
+            }
+            for (let end = all.indexOf(10); length === null && end >= 0; end = all.indexOf(10)) {
+                const [word, ...rest] = new TextDecoder().decode(all.subarray(0, end)).split(" ");
+                all = all.slice(end + 1);
+                if (word === "share") onShare(Number(rest[0]));
+                else if (word === "done") length = Number(rest[0]);
+                else throw new Error(rest.join(" "));
+            }
+            if (done && length === null) throw new Error("srbf view gave no answer");
+            if (done) return { text: new TextDecoder().decode(all.subarray(0, length)), bytes: all.slice(length) };
+        }
+    };
+    const answer = answered().catch((error) => { throw aborter.signal.aborted ? new Error("cancelled") : error; });
+    return { answer, end: () => aborter.abort() };
+}
+
 /** A question to the fitter: the answer, and a way to end it. */
 function ask(question, onShare = () => {}) {
+    if (hasServer()) return askServer(question, onShare);
     let worker = null, end = () => {};
     const answer = new Promise((resolve, reject) => {
         end = () => {
@@ -97,14 +133,17 @@ export function exported(bytes, format) {
     return ask({ bytes, format }).answer.then((answer) => answer.bytes);
 }
 
+/** Lobes of a material; one that is mirrored stands for two. */
+export const lobesOf = (words) => words[6] + (words[3] === 0 ? words[words[2] === 2 ? 9 : 8] : 0);
+
 /** Facts that stand in the head of a material, or in those of the quarters of a sheet. */
 function factsOf(words, size) {
     const quarters = quartersOf(words);
     if (quarters) {
-        const text = (at) => (at === 0 ? "black" : `${words[at + 6]} lobes, at ${words[at + 5]} view angles`);
+        const text = (at) => (at === 0 ? "black" : `${lobesOf(words.subarray(at))} lobes, at ${words[at + 5]} view angles`);
         return [["size", `${size} bytes, a sheet`], ...quarters.map((at, n) => [QUARTERS[n].replace("-", " "), text(at)])];
     }
-    return [["size", `${size} bytes`], ["lobes", `${words[6]}, at ${words[5]} view angles`], ["surface", words[3] === 0 ? "isotropic" : "anisotropic"]];
+    return [["size", `${size} bytes`], ["lobes", `${lobesOf(words)}, at ${words[5]} view angles`], ["surface", words[3] === 0 ? "isotropic" : "anisotropic"]];
 }
 
 /**

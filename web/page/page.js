@@ -1,7 +1,9 @@
 // The page: what is clicked, dropped and shown.
 import { DAYLIGHT, LIGHTS, PARTS, SHAPES, SIDES, Tracer } from "./tracer.js";
+import { MOST_HDR, isRadiance, radiance } from "./radiance.js";
 import { COLUMNS, columnOf, draw, drawSpectrum, nearest } from "./plot.js";
 import { exported, hasFitter, looked, opened } from "./opener.js";
+import { Palette } from "./palette.js";
 import { decoded } from "./tree.js";
 import { QUARTERS } from "./words.js";
 
@@ -15,6 +17,7 @@ let tracer = null;
 let shown = null; // { bytes, json }: what is on the page
 let isLogarithmic = true;
 let fitting = null;
+let palette = null;
 
 function make(name, attributes = {}, ...children) {
     const made = document.createElement(name);
@@ -114,6 +117,58 @@ function turnable(canvas) {
     });
 }
 
+// Light, and a second material
+
+/** Takes a picture of light from a file. */
+async function ownLight(file) {
+    say(null);
+    try {
+        if (!tracer) throw new Error(`${file.name}: without WebGL no light is seen`);
+        if (file.size > MOST_HDR) throw new Error(`${file.name}: a Radiance picture (.hdr) of at most ${MOST_HDR} bytes is expected; ${file.size} are there`);
+        const map = radiance(new Uint8Array(await file.arrayBuffer()), file.name);
+        try {
+            tracer.setOwn(map);
+        } catch (error) {
+            throw new Error(`${file.name}: ${error.message}`);
+        }
+        const own = at("lights").querySelector("[value=own]");
+        own.parentElement.hidden = false;
+        own.parentElement.title = file.name;
+        own.checked = true;
+        describe();
+        run();
+    } catch (error) {
+        say(error.message);
+    }
+}
+
+/** Shows a material on a second ball: a preset, or the one that is shown at this moment. */
+function besides(all) {
+    const select = at("beside");
+    const titles = [["", "nothing"], ...all.map(({ json }) => [json.name, titled(json.name)]), ["\n", "the one that is shown"]];
+    select.append(...titles.map(([value, title]) => make("option", { value }, title)));
+    select.addEventListener("change", () => {
+        const preset = all.find(({ json }) => json.name === select.value);
+        const other = preset ? { bytes: preset.bytes, name: preset.json.name } : select.value && shown ? { bytes: shown.bytes, name: shown.json.name } : null;
+        say(null);
+        try {
+            tracer?.setBeside(other);
+            if (select.value === "\n") {
+                const kept = [...select.options].find(({ value }) => value === "\r") ?? make("option", { value: "\r" });
+                kept.textContent = titled(other.name);
+                select.append(kept);
+                select.value = "\r";
+            }
+        } catch (error) {
+            select.value = "";
+            tracer?.setBeside(null);
+            say(error.message);
+        }
+        describe();
+        run();
+    });
+}
+
 // Choices
 
 function choices(fieldset, names, chosen, choose) {
@@ -126,15 +181,21 @@ function choices(fieldset, names, chosen, choose) {
 
 function describe() {
     const seen = tracer?.quarters ? `, ${tracer.side}, ${tracer.part === "both" ? "reflected and transmitted" : tracer.part} light,` : "";
-    at("canvas").setAttribute("aria-label", `${at("name").textContent}${seen} on a ${tracer?.shape ?? "ball"}, lit by the ${LIGHTS[tracer?.light ?? 2]}`);
+    const beside = tracer?.isPair ? ` beside ${at("beside").selectedOptions[0].textContent}` : "";
+    const light = LIGHTS[tracer?.light ?? 0];
+    at("canvas").setAttribute("aria-label", `${at("name").textContent}${beside}${seen} on a ${tracer?.shape ?? "ball"}, lit by ${light === "own" ? "a picture" : `the ${light}`}`);
 }
 
 // The plot
 
 function plot() {
-    if (!tracer || !shown) return;
+    if (!shown) return;
     const degrees = Number(at("degrees").value);
     at("degrees-text").textContent = `${degrees}°`;
+    if (!tracer) {
+        plotWithout(degrees);
+        return;
+    }
     const view = nearest(shown.json.data, degrees);
     const curves = tracer.curves(degrees, COLUMNS);
     const spectra = spectraShown(), marked = Number(at("marked").value);
@@ -153,6 +214,26 @@ function plot() {
     const peak = Math.round((180 * best) / (COLUMNS - 1) - 90);
     if (spectra) spectrum(spectra, row, marked, width);
     at("curves-text").textContent = `Seen at ${degrees} degrees, f cos is largest towards light at ${peak} degrees: ${row[4 * best].toPrecision(3)} per steradian.`;
+}
+
+let isAsking = false;
+/** The curve of all lobes without WebGL, from the fitter: the last that is asked for. */
+async function plotWithout(degrees) {
+    if (isAsking || !hasFitter()) return;
+    isAsking = true;
+    const { bytes, json } = shown;
+    try {
+        const values = new Float32Array((await exported(bytes, `curve ${degrees} ${COLUMNS}`)).buffer);
+        const view = nearest(json.data, degrees);
+        draw(at("curves"), [values], { degrees, isLogarithmic, width: Math.max(at("curves").clientWidth, 280), points: view?.points ?? [], marked: null });
+        const entry = (kind, text) => make("span", {}, make("i", { class: kind }), text);
+        at("legend").replaceChildren(entry("of-all", "all of the lobes"), ...(view ? [entry("of-points", `the ${json.data.are}, seen at ${Number(view.degrees.toFixed(1))}°`)] : []));
+    } catch (error) {
+        say(`The curves: ${error.message}`);
+    } finally {
+        isAsking = false;
+    }
+    if (shown.bytes !== bytes || Number(at("degrees").value) !== degrees) plot();
 }
 
 /** The spectrum towards a direction of the light that is marked among the lobes. */
@@ -204,6 +285,7 @@ function verdict(lines, findings) {
     const sentence = at("sentence");
     sentence.hidden = sentences.length === 0;
     const [, use, rest] = /^((?:do not )?use it(?: with care)?)(.*)$/s.exec(sentences.join(" ")) ?? [null, "", sentences.join(" ")];
+    sentence.className = `sentence ${/^do not/.test(use) ? "off" : /with care/.test(use) ? "fair" : "good"}`;
     sentence.replaceChildren(make("b", {}, use.replace(/^./, (c) => c.toUpperCase())), rest);
     const rank = ["off", "look", "note", "fair", "try", "good"];
     const all = [...others.map((line) => kinds.exec(line).slice(1)), ...findings.map((text) => ["look", text])];
@@ -215,6 +297,22 @@ function verdict(lines, findings) {
     at("good").hidden = good.length === 0;
     at("good-count").textContent = `${good.length} ${good.length === 1 ? "criterion is" : "criteria are"} good`;
     at("good-list").replaceChildren(...good.map(item));
+}
+
+/** How it looks, in words: colour, light that it sends back, highlight. */
+function looks() {
+    const isSeen = Boolean(tracer) && !tracer.quarters;
+    at("looks").hidden = !isSeen;
+    if (!isSeen) return;
+    const { along, grazing, width, contrast, share: sent } = tracer.look();
+    const encoded = (v) => Math.round(255 * Math.min(Math.max(v <= 0.0031308 ? 12.92 * v : 1.055 * v ** (1 / 2.4) - 0.055, 0), 1));
+    const share = ([y]) => `${Math.round(100 * y)} %`;
+    const gloss = contrast < 2.5 ? "is matt" : sent < 0.003 ? "is half matt, with a faint gloss" : width < 4 ? "is nearly a mirror" : width < 12 ? "is glossy" : width < 30 ? "shines softly" : "is half matt";
+    const highlight = contrast < 2.5 ? "" : ` Its highlight is ${width < 10 ? width.toFixed(1) : Math.round(width)}° wide and ${contrast < 10 ? contrast.toFixed(1) : Math.round(contrast)} times as bright as the light beside it.`;
+    at("looks").replaceChildren(
+        make("i", { style: `background: rgb(${[1, 2, 3].map((c) => encoded(along[c])).join(" ")})`, title: "its colour under light from everywhere" }),
+        `It ${gloss}.${highlight} It sends ${share(along)} of light from everywhere back along its normal, and ${share(grazing)} at 75°.`,
+    );
 }
 
 /** Turns the sample about its normal. It changes an anisotropic material alone. */
@@ -230,7 +328,16 @@ function turned() {
 function spectraParts() {
     const spectra = spectraShown();
     at("spectrum-part").hidden = !spectra;
-    at("illuminants").hidden = Object.keys(spectra?.lights ?? {}).length === 0;
+    // The others of a palette have spectra of their own.
+    at("illuminants").hidden = Object.keys(spectra?.lights ?? {}).length === 0 || tracer?.palette > 1;
+}
+
+/** What follows from another palette. */
+function mixed() {
+    if (tracer?.palette > 1) lit(ILLUMINANTS[0]);
+    else lit(at("illuminants").querySelector(":checked")?.value);
+    spectraParts();
+    run();
 }
 
 function show(material) {
@@ -244,10 +351,15 @@ function show(material) {
     const { name, facts, findings } = material.json;
     at("name").textContent = titled(name);
     document.title = `${titled(name)}, srbf`;
-    at("facts").replaceChildren(...facts.flatMap(([label, text]) => [make("dt", {}, label), make("dd", {}, text)]));
+    // First what it is, then how large.
+    const isBytes = ([label]) => ["size", "made of"].includes(label);
+    const sorted = [...facts.filter((fact) => !isBytes(fact)), ...facts.filter(isBytes)];
+    at("facts").replaceChildren(...sorted.flatMap(([label, text]) => [make("dt", {}, label), make("dd", {}, text)]));
     verdict(material.json.verdict, findings);
-    spectraParts();
-    lit(at("illuminants").querySelector(":checked")?.value);
+    looks();
+    at("beside-part").hidden = !tracer || Boolean(quarters);
+    at("palette").hidden = !tracer || Boolean(quarters);
+    palette.tell(name);
     for (const button of at("presets").children) button.setAttribute("aria-pressed", String(button.dataset.name === material.preset));
     const views = material.json.data?.views ?? [];
     const degrees = Number(at("degrees").value);
@@ -263,6 +375,7 @@ function show(material) {
 /** Opens a file, and fits it if it is a measurement. */
 async function open(file) {
     say(null);
+    if (isRadiance(new Uint8Array(await file.slice(0, 2).arrayBuffer()))) return ownLight(file);
     fitting?.end();
     let isMaterial = false;
     try {
@@ -322,16 +435,20 @@ function one({ bytes, json }) {
 
 /** The evaluator with the words of a material or a sheet, as `srbf export --glsl` writes it. */
 function shader(bytes) {
-    const view = new DataView(bytes.slice().buffer);
-    const words = Array.from({ length: bytes.length >> 2 }, (_, i) => `0x${view.getUint32(4 * i, true).toString(16).padStart(8, "0")}u`);
+    const padded = new Uint8Array(4 * Math.ceil(bytes.length / 4));
+    padded.set(bytes);
+    const view = new DataView(padded.buffer);
+    const words = Array.from({ length: padded.length >> 2 }, (_, i) => `0x${view.getUint32(4 * i, true).toString(16).padStart(8, "0")}u`);
     const rows = Array.from({ length: Math.ceil(words.length / 8) }, (_, i) => `    ${words.slice(8 * i, 8 * i + 8).join(", ")}`);
-    const n = words.length;
-    return new TextEncoder().encode(`const uint srbf_data[${n}] = uint[${n}](\n${rows.join(",\n")}\n);\nuint srbf_word(int data, int i) { return srbf_data[data + i]; }\n\n${data.evaluator}${words[3] === "0x00000002u" ? data.sheet : ""}`);
+    const n = words.length, isSheet = words[3] === "0x00000002u";
+    // Precisions of numbers come before the first of them.
+    const end = data.evaluator.indexOf("#endif") + 8, [head, text] = [data.evaluator.slice(0, end), data.evaluator.slice(end)];
+    return new TextEncoder().encode(`${data.calls[isSheet ? 1 : 0]}${shown.json.comment ?? ""}${head}const uint srbf_data[${n}] = uint[${n}](\n${rows.join(",\n")}\n);\nuint srbf_word(int data, int i) { return srbf_data[data + i]; }\n\n${text}${isSheet ? data.sheet : ""}`);
 }
 
 const DOWNLOADS = [
     ["Material", "srbf", (bytes) => bytes, false],
-    ["Shader (GLSL)", "glsl", (bytes) => (hasFitter() ? exported(bytes, "glsl") : shader(bytes)), false],
+    ["Shader (GLSL)", "glsl", shader, false],
     ["RGL", "bsdf", (bytes) => exported(bytes, "rgl"), true],
     ["MERL", "binary", (bytes) => exported(bytes, "merl"), true],
 ];
@@ -402,10 +519,11 @@ function begin() {
         if (options.has("scale")) tracer.fixedScale = Number(options.get("scale"));
         if (options.has("samples")) tracer.most = Number(options.get("samples"));
     } catch (error) {
-        say(`No picture: ${error.message}.`);
+        say(`No picture: ${error.message}. ${hasFitter() ? "The curves are there without it." : ""}`);
     }
     choices(at("shapes"), SHAPES, "ball", (shape) => { tracer?.set({ shape }); describe(); run(); });
-    choices(at("lights"), LIGHTS, "sky", (light) => { tracer?.set({ light: LIGHTS.indexOf(light) }); describe(); run(); });
+    choices(at("lights"), LIGHTS, LIGHTS[0], (light) => { tracer?.set({ light: LIGHTS.indexOf(light) }); describe(); run(); });
+    at("lights").querySelector("[value=own]").parentElement.hidden = true;
     choices(at("illuminants"), ILLUMINANTS, "D65", lit);
     choices(at("sides"), SIDES, SIDES[0], (side) => turnedOver({ side }));
     choices(at("parts"), PARTS, PARTS[0], (part) => turnedOver({ part }));
@@ -413,6 +531,12 @@ function begin() {
     at("exposure").addEventListener("input", (event) => {
         tracer?.set({ exposure: Number(event.target.value) });
         run();
+    });
+    at("surroundings").addEventListener("change", (event) => { tracer?.set({ surroundings: event.target.checked }); run(); });
+    at("own-light").addEventListener("change", (event) => {
+        const [file] = event.target.files;
+        if (file) ownLight(file);
+        event.target.value = "";
     });
     for (const id of ["degrees", "marked"]) at(id).addEventListener("input", plot);
     at("turn").addEventListener("input", turned);
@@ -423,6 +547,7 @@ function begin() {
     downloads();
     droppable();
     const all = presets();
+    besides(all);
     new ResizeObserver(fitCanvas).observe(at("canvas"));
     let width = 0;
     new ResizeObserver(() => {
@@ -432,6 +557,7 @@ function begin() {
         }
     }).observe(at("curves").parentElement);
     fitCanvas();
+    palette = new Palette({ at, make, say, titled, changed: mixed, tracer: () => tracer }, all);
     const own = data.opened;
     show(own ? { bytes: decoded(own.bytes), json: own.json } : all[0]);
     if (tracer) thumbnails(all);

@@ -1,8 +1,9 @@
-// A path tracer in WebGL 2: a ball or the teapot under one of three lights, drawn from the lobes themselves. +z is up.
+// A path tracer in WebGL 2: balls or the teapot under a light, drawn from the lobes themselves. +z is up.
 import { quartersOf, wordsOf } from "./words.js";
 import { decoded, floats, integers, tree } from "./tree.js";
 
-export const LIGHTS = ["sun", "lamps", "sky"];
+/** The last one is a map of the user's. */
+export const LIGHTS = ["room", "sky", "sun", "lamps", "own"];
 export const SHAPES = ["ball", "teapot"];
 /** What is shown of a sheet: a side, and the light that it reflects, that comes through, or both. */
 export const SIDES = ["front", "back"], PARTS = ["both", "reflected", "transmitted"];
@@ -15,7 +16,10 @@ const [FIRST_SCALE, LEAST_SCALE] = [0.4, 0.25]; // pixels of the sum to one of t
 export const DAYLIGHT = [1, 0, 0, 0, 1, 0, 0, 0, 1];
 
 /** Stops by which pictures are brightened, so that lights are about as bright as each other. */
-const STOPS = [0.3, 0.5, 0.9];
+const STOPS = [0.4, 0.9, 0.3, 0.5, 0];
+const OWN_MEAN = 0.6; // the mean of a map of the user's is brightened to this
+const CELLS = [128, 64]; // of a map of the user's, at most, among which directions are drawn
+const LARGEST = 65504; // half floats end there
 
 /** Where the camera stands, as in the scenes of `srbf render`. */
 const STANDPOINTS = {
@@ -36,6 +40,9 @@ precision highp usampler2D;
 // Each light is a smooth part, which the lobes look at, and a bright one, which is drawn too: a disc, two panels, a round haze.
 const lights = `
 uniform int light;
+uniform sampler2D own_map;
+uniform sampler2D own_cells; // share that stays, cell that has the rest, density over the unit square
+const int ROOM = 0, SKY = 1, SUNLIGHT = 2, LAMPS = 3, OWN = 4;
 const float PI = 3.14159265;
 const vec3 SUN = vec3(-0.62096, -0.48515, 0.61566);
 const float SUN_COSINE = 0.99984770;
@@ -46,10 +53,30 @@ const vec3 RIM = vec3(0.78810, 0.39405, 0.47286);
 const vec2 RIM_SIZE = vec2(0.12, 0.55);
 const float KEY_SHARE = 0.6;
 
+// Where on a map a direction is, and the other way round: rows from the top.
+vec2 on_map(vec3 d) { return vec2(fract(0.5 - atan(d.y, d.x) / (2.0 * PI)), acos(clamp(d.z, -1.0, 1.0)) / PI); }
+vec3 from_map(vec2 at) {
+    float turn = (0.5 - at.x) * 2.0 * PI;
+    return vec3(sin(PI * at.y) * cos(turn), sin(PI * at.y) * sin(turn), cos(PI * at.y));
+}
+
+// A room: tiles, walls with a dado, a ceiling. Its window and its door are bright.
+vec3 room_light(vec3 d) {
+    if (d.z < -0.02) {
+        vec2 tile = floor(d.xy / -d.z * 0.9);
+        float is_dark = mod(tile.x + tile.y, 2.0);
+        return mix(mix(vec3(0.34, 0.30, 0.25), vec3(0.08, 0.075, 0.07), is_dark), vec3(0.21, 0.19, 0.16), smoothstep(-0.25, -0.02, d.z));
+    }
+    vec3 wall = mix(vec3(0.20, 0.17, 0.15), vec3(0.30, 0.29, 0.28), smoothstep(0.06, 0.07, d.z));
+    return mix(wall, vec3(0.46, 0.46, 0.45), smoothstep(0.70, 0.72, d.z));
+}
+
 vec3 smooth_light(vec3 d) {
     float up = max(d.z, 0.0);
-    if (light == 0) { return mix(vec3(0.16, 0.15, 0.14), mix(vec3(0.36, 0.40, 0.46), vec3(0.10, 0.16, 0.28), sqrt(up)), smoothstep(-0.08, 0.04, d.z)); }
-    if (light == 1) { return mix(vec3(0.05, 0.05, 0.055), vec3(0.13, 0.135, 0.15), 0.5 + 0.5 * d.z); }
+    if (light == ROOM) { return room_light(d); }
+    if (light == OWN) { return vec3(0.0); }
+    if (light == SUNLIGHT) { return mix(vec3(0.16, 0.15, 0.14), mix(vec3(0.36, 0.40, 0.46), vec3(0.10, 0.16, 0.28), sqrt(up)), smoothstep(-0.08, 0.04, d.z)); }
+    if (light == LAMPS) { return mix(vec3(0.05, 0.05, 0.055), vec3(0.13, 0.135, 0.15), 0.5 + 0.5 * d.z); }
     vec3 horizon = vec3(0.80, 0.86, 0.92);
     float h = 1.0 - up;
     vec3 above = mix(vec3(0.10, 0.24, 0.58), horizon, h * h * h * h);
@@ -71,8 +98,14 @@ bool is_on(vec3 axis, vec2 size, vec3 d) {
 }
 
 vec3 bright_light(vec3 d) {
-    if (light == 0) { return dot(d, SUN) > SUN_COSINE ? vec3(1.0, 0.93, 0.82) * 4200.0 : vec3(0.0); }
-    if (light == 1) {
+    if (light == OWN) { return textureLod(own_map, on_map(d), 0.0).rgb; }
+    if (light == ROOM) {
+        vec2 pane = abs(fract(on_panel(KEY, d).xy / KEY_SIZE * vec2(1.5, 1.0) + vec2(0.5, 0.0)) - 0.5);
+        vec3 sum = is_on(KEY, KEY_SIZE, d) && max(pane.x, pane.y) < 0.46 ? vec3(7.4, 8.2, 9.2) : vec3(0.0);
+        return sum + (is_on(RIM, RIM_SIZE, d) ? vec3(4.6, 4.0, 3.2) : vec3(0.0));
+    }
+    if (light == SUNLIGHT) { return dot(d, SUN) > SUN_COSINE ? vec3(1.0, 0.93, 0.82) * 4200.0 : vec3(0.0); }
+    if (light == LAMPS) {
         vec3 sum = vec3(0.0);
         if (is_on(KEY, KEY_SIZE, d)) { sum += vec3(9.0, 8.8, 8.4); }
         if (is_on(RIM, RIM_SIZE, d)) { sum += vec3(6.5, 7.2, 8.2); }
@@ -89,8 +122,12 @@ float panel_density(vec3 axis, vec2 size, vec3 d) {
 
 // The density of bright_draw, 1/sr.
 float bright_density(vec3 d) {
-    if (light == 0) { return dot(d, SUN) > SUN_COSINE ? 1.0 / (2.0 * PI * (1.0 - SUN_COSINE)) : 0.0; }
-    if (light == 1) { return KEY_SHARE * panel_density(KEY, KEY_SIZE, d) + (1.0 - KEY_SHARE) * panel_density(RIM, RIM_SIZE, d); }
+    if (light == OWN) {
+        ivec2 size = textureSize(own_cells, 0), cell = min(ivec2(on_map(d) * vec2(size)), size - 1);
+        return texelFetch(own_cells, cell, 0).z / max(2.0 * PI * PI * sqrt(max(1.0 - d.z * d.z, 0.0)), 1e-4);
+    }
+    if (light == SUNLIGHT) { return dot(d, SUN) > SUN_COSINE ? 1.0 / (2.0 * PI * (1.0 - SUN_COSINE)) : 0.0; }
+    if (light == LAMPS || light == ROOM) { return KEY_SHARE * panel_density(KEY, KEY_SIZE, d) + (1.0 - KEY_SHARE) * panel_density(RIM, RIM_SIZE, d); }
     return HAZE * exp(HAZE * (dot(d, SUN) - 1.0)) / (2.0 * PI);
 }
 
@@ -100,12 +137,22 @@ vec3 facing(vec3 axis, vec3 d) {
 }
 
 vec3 bright_draw(vec3 u) {
-    if (light == 1) {
+    if (light == OWN) {
+        ivec2 size = textureSize(own_cells, 0);
+        int cell = min(int(u.z * float(size.x * size.y)), size.x * size.y - 1);
+        vec2 row = texelFetch(own_cells, ivec2(cell % size.x, cell / size.x), 0).xy;
+        // The number that chooses between both is spread over the chosen one again.
+        bool stays = u.x < row.x;
+        float across = stays ? u.x / row.x : (u.x - row.x) / (1.0 - row.x);
+        if (!stays) { cell = int(row.y); }
+        return from_map((vec2(ivec2(cell % size.x, cell / size.x)) + vec2(across, u.y)) / vec2(size));
+    }
+    if (light == LAMPS || light == ROOM) {
         bool is_key = u.z < KEY_SHARE;
         vec2 at = (2.0 * u.xy - 1.0) * (is_key ? KEY_SIZE : RIM_SIZE);
         return facing(is_key ? KEY : RIM, normalize(vec3(at, 1.0)));
     }
-    float c = light == 0 ? 1.0 - u.x * (1.0 - SUN_COSINE) : max(1.0 + log(max(1.0 - u.x, 1e-30)) / HAZE, -1.0);
+    float c = light == SUNLIGHT ? 1.0 - u.x * (1.0 - SUN_COSINE) : max(1.0 + log(max(1.0 - u.x, 1e-30)) / HAZE, -1.0);
     float s = sqrt(max(1.0 - c * c, 0.0));
     return facing(SUN, vec3(s * cos(2.0 * PI * u.y), s * sin(2.0 * PI * u.y), c));
 }
@@ -119,17 +166,24 @@ ${text}`;
 
 const balls = `
 const int BOUNCES = 1;
+uniform vec3 apart; // from the middle to the second ball; 0 where there is one ball
 Hit nearest(vec3 o, vec3 d, int bounce) {
     Hit h;
     h.distance = -1.0;
     h.is_ground = false;
+    h.is_second = false;
     if (bounce > 0) { return h; }
-    float along = dot(o, d);
-    vec3 near = o - d * along;
-    float half_chord = 1.0 - dot(near, near);
-    if (half_chord < 0.0) { return h; }
-    h.distance = -along - sqrt(half_chord);
-    h.flat_normal = normalize(o + d * h.distance);
+    for (int ball = 0; ball < 2; ball++) {
+        vec3 from = o + (ball == 0 ? apart : -apart);
+        float along = dot(from, d);
+        vec3 near = from - d * along;
+        float half_chord = 1.0 - dot(near, near);
+        float distance = -along - sqrt(max(half_chord, 0.0));
+        if (half_chord < 0.0 || (h.distance > 0.0 && h.distance <= distance)) { continue; }
+        h.distance = distance;
+        h.is_second = ball == 1;
+        h.flat_normal = normalize(from + d * distance);
+    }
     h.normal = h.flat_normal;
     return h;
 }
@@ -188,6 +242,7 @@ Hit nearest(vec3 o, vec3 d, int bounce) {
     Hit h;
     h.distance = -1.0;
     h.is_ground = false;
+    h.is_second = false;
     vec4 found = walk(o, d, false);
     float down = (GROUND - o.z) / (d.z == 0.0 ? -1e-12 : d.z);
     vec2 at = o.xy + d.xy * down;
@@ -212,8 +267,29 @@ Hit nearest(vec3 o, vec3 d, int bounce) {
 bool is_clear(vec3 o, vec3 d) { return walk(o, d, true).w < 0.0; }
 `;
 
+// The material of a place: of a palette it is found by maps, once round the vertical, as those of `srbf render --palette`.
+const palettes = `
+uniform int palette; // its materials, 0 without one
+uniform usampler2D places; // of each in the words
+uniform bvec3 has_map;
+uniform sampler2D index_map; // the numbers of two materials
+uniform sampler2D weight_map;
+uniform sampler2D tint_map;
+uniform float share; // of the second material, without a map of it
+uniform vec4 wrap; // middle, lowest and highest of the shape
+
+int place_at(vec3 point, float choice, out vec3 tint) {
+    vec2 at = vec2(atan(point.y - wrap.y, point.x - wrap.x) / (2.0 * PI) + 0.5, (wrap.w - point.z) / (wrap.w - wrap.z));
+    ivec2 two = ivec2(0, 1);
+    if (has_map.x) { two = ivec2(textureLod(index_map, at, 0.0).rg * 255.0 + 0.5); }
+    float weight = has_map.y ? textureLod(weight_map, at, 0.0).r : share;
+    tint = has_map.z ? textureLod(tint_map, at, 0.0).rgb : vec3(1.0);
+    return int(texelFetch(places, ivec2(min(choice < weight ? two.y : two.x, palette - 1), 0), 0).r);
+}
+`;
+
 const paths = (text, shape) => `${head}
-struct Hit { float distance; vec3 normal; vec3 flat_normal; bool is_ground; float cover; };
+struct Hit { float distance; vec3 normal; vec3 flat_normal; bool is_ground; bool is_second; float cover; };
 ${lights}
 ${words(text)}
 uniform sampler2D before;
@@ -228,8 +304,11 @@ uniform mat3 seen;
 uniform vec2 turned;
 uniform float side_of_light; // -1 where it comes through
 uniform float covered; // 0 where a pass adds light to another one's
+uniform bool has_surroundings; // the light is seen behind
+uniform int beside; // the material of the second ball in the words
 const vec3 GROUND_ALBEDO = vec3(0.52, 0.51, 0.50);
 out vec4 sum;
+${palettes}
 ${shape === "ball" ? balls : meshes}
 // Four numbers of a pixel (Jarzynski and Olano 2020).
 vec4 random(uvec4 v) {
@@ -252,7 +331,9 @@ void main() {
     vec2 at = floor(gl_FragCoord.xy) + jitter.xy - middle;
     vec3 o = eye;
     vec3 d = normalize(forward + right * at.x + up * at.y);
+    vec3 seen_along = d;
     SrbfMaterial material = srbf_material(place);
+    vec3 tint = vec3(1.0);
     vec3 carried = vec3(1.0);
     vec3 light_sum = vec3(0.0);
     float cover = 1.0;
@@ -273,7 +354,10 @@ void main() {
         wo = normalize(vec3(wo.xy, max(wo.z, 1e-3)));
         vec3 point = o + d * h.distance + h.flat_normal * 2e-4;
         SrbfView mixture;
-        if (!h.is_ground) { mixture = srbf_prepare(material, wo); }
+        if (!h.is_ground) {
+            if (h.is_second) { material = srbf_material(beside); } else if (palette > 0) { material = srbf_material(place_at(point, bounce == 0 ? jitter.z : numbers(bounce, 0).z, tint)); }
+            mixture = srbf_prepare(material, wo);
+        }
         vec4 first = numbers(bounce, 1);
         vec4 second = numbers(bounce, 2);
         // Towards the bright part of the light.
@@ -283,7 +367,7 @@ void main() {
             SrbfValue f;
             f.value = GROUND_ALBEDO * (wi.z / PI);
             f.pdf = wi.z / PI;
-            if (!h.is_ground) { f = srbf_evaluate(material, mixture, wi); f.value = seen * f.value; }
+            if (!h.is_ground) { f = srbf_evaluate(material, mixture, wi); f.value = tint * (seen * f.value); }
             light_sum += carried * bright_light(towards) * f.value / (bright_density(towards) + f.pdf);
         }
         // A direction of the lobes.
@@ -295,7 +379,7 @@ void main() {
             s.weight = GROUND_ALBEDO;
         } else {
             s = srbf_sample(material, mixture, first.xyz);
-            s.weight = seen * s.weight;
+            s.weight = tint * (seen * s.weight);
         }
         d = normalize(surface * vec3(s.wi.xy, s.wi.z * side_of_light));
         if (s.pdf <= 0.0 || dot(d, h.flat_normal) * side_of_light <= 0.0) { break; }
@@ -305,7 +389,9 @@ void main() {
     }
     // A number that is not one would stay in the sum for ever.
     if (any(isnan(light_sum)) || any(isinf(light_sum))) { light_sum = vec3(0.0); }
-    sum = texelFetch(before, ivec2(gl_FragCoord.xy), 0) + vec4(light_sum * cover, cover * covered);
+    vec4 added = vec4(light_sum * cover, cover * covered);
+    if (has_surroundings && cover < 1.0 && covered > 0.0) { added += vec4(smooth_light(seen_along) + min(bright_light(seen_along), 64.0), 1.0) * (1.0 - cover); }
+    sum = texelFetch(before, ivec2(gl_FragCoord.xy), 0) + added;
 }`;
 
 // The tone map of the pictures of `srbf render`: "PBR Neutral" (Khronos 2024).
@@ -397,11 +483,50 @@ ${lights}
 uniform vec2 size;
 out vec4 radiance;
 void main() {
-    float turn = -(gl_FragCoord.x / size.x - 0.5) * 2.0 * PI;
-    float down = PI * gl_FragCoord.y / size.y;
-    vec3 d = vec3(sin(down) * cos(turn), sin(down) * sin(turn), cos(down));
+    vec3 d = from_map(gl_FragCoord.xy / size);
     radiance = vec4(smooth_light(d) + bright_light(d), 1.0);
 }`;
+
+/**
+ * Cells of a map with their shares of its light, from which a cell is drawn by one number (Walker 1977): share that stays, cell that has the
+ * rest, density over the unit square.
+ */
+function cellsOf({ width, height, numbers }) {
+    const [w, h] = [Math.min(width, CELLS[0]), Math.min(height, CELLS[1])], count = w * h;
+    const light = new Float64Array(count);
+    for (let y = 0; y < height; y++) {
+        const weight = Math.sin((Math.PI * (y + 0.5)) / height);
+        for (let x = 0; x < width; x++) {
+            const i = 4 * (y * width + x);
+            light[Math.floor((y * h) / height) * w + Math.floor((x * w) / width)] += weight * (0.2126 * numbers[i] + 0.7152 * numbers[i + 1] + 0.0722 * numbers[i + 2]);
+        }
+    }
+    const sum = light.reduce((a, b) => a + b, 0);
+    // A tenth goes everywhere, so that no light is missed between cells.
+    const shares = Array.from(light, (value, i) => (sum > 0 ? (0.9 * value * count) / sum : 0.9) + 0.1);
+    const cells = new Float32Array(4 * count), rest = [...shares];
+    const [few, many] = [[], []];
+    rest.forEach((share, i) => (share < 1 ? few : many).push(i));
+    while (few.length > 0 && many.length > 0) {
+        const [i, j] = [few.pop(), many.pop()];
+        cells.set([rest[i], j], 4 * i);
+        rest[j] -= 1 - rest[i];
+        (rest[j] < 1 ? few : many).push(j);
+    }
+    for (const i of [...few, ...many]) cells.set([1, i], 4 * i);
+    shares.forEach((share, i) => { cells[4 * i + 2] = share; });
+    return { width: w, height: h, numbers: cells, mean: sum / height / width / (2 / Math.PI) };
+}
+
+/** Where maps are wrapped round a mesh: its middle in x and y, and its lowest and highest point. */
+function wrapped(positions) {
+    const bounds = [0, 1, 2].map((axis) => {
+        let [low, high] = [Infinity, -Infinity];
+        for (let i = axis; i < positions.length; i += 3) [low, high] = [Math.min(low, positions[i]), Math.max(high, positions[i])];
+        return [low, high];
+    });
+    return [...bounds.slice(0, 2).map(([low, high]) => 0.5 * (low + high)), ...bounds[2]];
+}
 
 /** A tracer on a canvas. Throws an error where WebGL 2 or pictures of floating-point numbers are not there. */
 export class Tracer {
@@ -415,9 +540,14 @@ export class Tracer {
         this.programs = new Map();
         this.scales = { ball: FIRST_SCALE, teapot: FIRST_SCALE };
         this.fixedScale = null;
-        [this.shape, this.light, this.exposure] = ["ball", 2, 0];
+        [this.shape, this.light, this.exposure] = ["ball", 0, 0];
+        this.surroundings = true; // whether the light is seen behind
+        this.beside = null; // words of the material of a second ball
+        this.stops = [...STOPS];
         this.seen = DAYLIGHT; // the colours of the material's red, green and blue; of a sheet four of them
         [this.side, this.part] = [SIDES[0], PARTS[0]];
+        this.others = []; // materials of a palette beside the first, as words
+        [this.maps, this.share] = [{}, 0.5]; // textures by name: index, weight, tint; and the second's share without a map
         this.turned = [1, 0]; // cosine and sine of the turn of the sample about its normal
         this.turns = Object.fromEntries(SHAPES.map((shape) => [shape, { ...STANDPOINTS[shape] }]));
         this.targets = [];
@@ -497,12 +627,98 @@ export class Tracer {
     /** Takes a material or a sheet; throws an error that names it if it is none. */
     setMaterial(bytes, name) {
         const words = wordsOf(bytes, name, WIDTH);
-        if (this.words) this.gl.deleteTexture(this.words);
-        this.words = this.texture("words", words, 1);
         this.all = words;
         this.quarters = quartersOf(words);
+        this.load();
         this.seen = this.quarters ? this.quarters.map(() => DAYLIGHT) : DAYLIGHT;
         if (this.quarters) this.shape = SHAPES[0];
+        this.reset();
+    }
+
+    /** Takes the materials of a palette beside the first: bytes and names. Throws an error that names a sheet. */
+    setPalette(others) {
+        this.others = others.map(({ bytes, name }) => {
+            const words = wordsOf(bytes, name, WIDTH);
+            if (quartersOf(words)) throw new Error(`${name}: a palette is of materials, and this is a sheet`);
+            return words;
+        });
+        this.load();
+        this.reset();
+    }
+
+    /** Loads what is shown, and behind it the others of the palette. A sheet has none. */
+    load() {
+        if (!this.all) return;
+        const parts = this.quarters ? [this.all] : [this.all, ...this.others, ...(this.beside ? [this.beside] : [])];
+        const words = new Uint32Array(parts.reduce((sum, part) => sum + part.length, 0));
+        const places = parts.map((part, n) => parts.slice(0, n).reduce((sum, before) => sum + before.length, 0));
+        parts.forEach((part, n) => words.set(part, places[n]));
+        for (const old of [this.words, this.places]) if (old) this.gl.deleteTexture(old);
+        this.words = this.texture("words", words, 1);
+        this.places = this.texture("words", Uint32Array.from(places), 1);
+    }
+
+    /** Takes a material for a second ball: bytes and name, or null. Throws an error that names a sheet. */
+    setBeside(other) {
+        const words = other && wordsOf(other.bytes, other.name, WIDTH);
+        if (words && quartersOf(words)) throw new Error(`${other.name}: a material is expected beside another one, and this is a sheet`);
+        this.beside = words;
+        this.load();
+        this.reset();
+    }
+
+    /** Whether there are two balls. */
+    get isPair() { return this.beside !== null && this.shape === "ball" && !this.quarters; }
+
+    /** Takes a map of light: width, height and numbers, four a pixel, rows from the top. */
+    setOwn(map) {
+        const { gl } = this, most = gl.getParameter(gl.MAX_TEXTURE_SIZE);
+        if (Math.max(map.width, map.height) > most) throw new Error(`${most} pixels at most along a side are expected`);
+        const cells = cellsOf(map);
+        if (!(cells.mean > 0)) throw new Error("a picture with some light is expected");
+        const texture = ({ width, height, numbers }, inside, filter) => {
+            const made = gl.createTexture();
+            gl.activeTexture(gl.TEXTURE0 + 9);
+            gl.bindTexture(gl.TEXTURE_2D, made);
+            gl.texImage2D(gl.TEXTURE_2D, 0, inside, width, height, 0, gl.RGBA, gl.FLOAT, numbers);
+            for (const key of [gl.TEXTURE_MIN_FILTER, gl.TEXTURE_MAG_FILTER]) gl.texParameteri(gl.TEXTURE_2D, key, filter);
+            gl.texParameteri(gl.TEXTURE_2D, gl.TEXTURE_WRAP_S, gl.REPEAT);
+            gl.texParameteri(gl.TEXTURE_2D, gl.TEXTURE_WRAP_T, gl.CLAMP_TO_EDGE);
+            return made;
+        };
+        Object.values(this.own ?? {}).forEach((old) => gl.deleteTexture(old));
+        this.own = { map: texture({ ...map, numbers: map.numbers.map((v) => Math.min(v, LARGEST)) }, gl.RGBA16F, gl.LINEAR), cells: texture(cells, gl.RGBA32F, gl.NEAREST) };
+        this.stops[LIGHTS.indexOf("own")] = Math.log2(OWN_MEAN / cells.mean);
+        this.set({ light: LIGHTS.indexOf("own") });
+    }
+
+    /** Binds the map of the user's; where there is none, a texture of its kind. */
+    bindOwn(place, other) {
+        this.bind(9, this.own?.map ?? other, place("own_map"));
+        this.bind(10, this.own?.cells ?? other, place("own_cells"));
+    }
+
+    /** Materials of the palette; 0 where maps have nothing to do. */
+    get palette() {
+        return this.quarters || (this.others.length === 0 && !this.maps.tint) ? 0 : 1 + this.others.length;
+    }
+
+    /** Takes a map of the palette, "index", "weight" or "tint", from a picture; without one it is no more. */
+    setMap(name, picture) {
+        const { gl } = this;
+        if (this.maps[name]) gl.deleteTexture(this.maps[name]);
+        delete this.maps[name];
+        if (picture) {
+            const most = gl.getParameter(gl.MAX_TEXTURE_SIZE);
+            if (Math.max(picture.width, picture.height) > most) throw new Error(`a picture of ${most} pixels at most along a side is expected`);
+            const texture = gl.createTexture();
+            gl.bindTexture(gl.TEXTURE_2D, texture);
+            gl.texImage2D(gl.TEXTURE_2D, 0, name === "tint" ? gl.SRGB8_ALPHA8 : gl.RGBA8, gl.RGBA, gl.UNSIGNED_BYTE, picture);
+            const filter = name === "index" ? gl.NEAREST : gl.LINEAR;
+            for (const key of [gl.TEXTURE_MIN_FILTER, gl.TEXTURE_MAG_FILTER]) gl.texParameteri(gl.TEXTURE_2D, key, filter);
+            for (const key of [gl.TEXTURE_WRAP_S, gl.TEXTURE_WRAP_T]) gl.texParameteri(gl.TEXTURE_2D, key, gl.REPEAT);
+            this.maps[name] = texture;
+        }
         this.reset();
     }
 
@@ -547,8 +763,9 @@ export class Tracer {
     /** Begins the picture again. */
     reset() { this.count = 0; }
 
-    camera(width, height, shape) {
-        const { target, azimuth, height: above, distance, view } = this.turns[shape];
+    camera(width, height, shape, isPair) {
+        const { target, azimuth, height: above, distance: own, view } = this.turns[shape];
+        const distance = own * (isPair ? 1.9 : 1);
         const [a, h] = [azimuth, above].map((degrees) => (degrees * Math.PI) / 180);
         const outward = [Math.cos(h) * Math.cos(a), Math.cos(h) * Math.sin(a), Math.sin(h)];
         const forward = outward.map((v) => -v);
@@ -592,7 +809,7 @@ export class Tracer {
             if (!this.mesh) {
                 const { positions, normals, triangles } = this.data.teapot;
                 const made = tree(floats(positions), floats(normals), integers(triangles));
-                this.mesh = { nodes: this.texture("numbers", made.nodes, 4), corners: this.texture("numbers", made.corners, 4), count: made.nodes.length / 8 };
+                this.mesh = { nodes: this.texture("numbers", made.nodes, 4), corners: this.texture("numbers", made.corners, 4), count: made.nodes.length / 8, wrap: wrapped(floats(positions)) };
                 gl.useProgram(program);
                 this.bind(0, words, place("material_words"));
                 this.bind(1, from.texture, place("before"));
@@ -601,8 +818,15 @@ export class Tracer {
             this.bind(3, this.mesh.corners, place("corners"));
             gl.uniform1i(place("node_count"), this.mesh.count);
         }
-        const { eye, forward, right, up } = this.camera(to.width, to.height, shape);
+        this.bindPalette(place, words === this.words ? this.palette : 0, from, shape === "teapot" ? this.mesh.wrap : [0, 0, -1, 1]);
+        const isPair = this.isPair && words === this.words;
+        const { eye, forward, right, up } = this.camera(to.width, to.height, shape, isPair);
         for (const [name, vector] of Object.entries({ eye, forward, right, up })) gl.uniform3fv(place(name), vector);
+        const length = Math.hypot(...right);
+        gl.uniform3fv(place("apart"), right.map((v) => (isPair ? (1.1 * v) / length : 0)));
+        gl.uniform1i(place("beside"), isPair ? this.all.length + this.others.reduce((sum, other) => sum + other.length, 0) : 0);
+        gl.uniform1i(place("has_surroundings"), this.surroundings && words === this.words ? 1 : 0);
+        this.bindOwn(place, from.texture);
         gl.uniform2f(place("middle"), to.width / 2, to.height / 2);
         gl.uniform1i(place("light"), this.light);
         gl.uniformMatrix3fv(place("seen"), false, isBlack ? new Array(9).fill(0) : seen);
@@ -619,6 +843,19 @@ export class Tracer {
         targets.reverse();
     }
 
+    /** Samplers that nothing is read from need textures of their kinds too. */
+    bindPalette(place, palette, from, wrap) {
+        const { gl, maps } = this;
+        const names = ["index", "weight", "tint"];
+        this.bind(5, this.places, place("places"));
+        names.forEach((name, i) => this.bind(6 + i, maps[name] ?? from.texture, place(`${name}_map`)));
+        gl.uniform1i(place("palette"), palette);
+        gl.uniform3iv(place("has_map"), names.map((name) => (maps[name] ? 1 : 0)));
+        // A map of two materials without one of shares shows the first.
+        gl.uniform1f(place("share"), maps.index || palette < 2 ? 0 : this.share);
+        gl.uniform4fv(place("wrap"), wrap);
+    }
+
     /** Draws a sum to a frame, null for the canvas. */
     show(sum, count, frame, width, height) {
         const { gl } = this;
@@ -628,7 +865,7 @@ export class Tracer {
         gl.viewport(0, 0, width, height);
         this.bind(0, sum.texture, place("picture"));
         gl.uniform1f(place("scale"), 1 / count);
-        gl.uniform1f(place("exposure"), 2 ** (this.exposure + STOPS[this.light]));
+        gl.uniform1f(place("exposure"), 2 ** (this.exposure + this.stops[this.light]));
         gl.uniform2f(place("size"), width, height);
         gl.drawArrays(gl.TRIANGLES, 0, 3);
     }
@@ -698,7 +935,7 @@ export class Tracer {
         const words = this.texture("words", wordsOf(bytes, "a preset", WIDTH), 1);
         const targets = [this.target(size, size), this.target(size, size)];
         const [light, turn, seen] = [this.light, this.turns.ball, this.seen];
-        this.light = 2;
+        this.light = LIGHTS.indexOf("sky");
         this.seen = DAYLIGHT;
         this.turns.ball = { ...STANDPOINTS.ball, distance: 5.2 };
         for (let i = 0; i < pictures; i++) this.add(targets, i, words, "ball");
@@ -774,9 +1011,36 @@ export class Tracer {
 
     /** A light as a map: numbers, rows from the top. */
     map(light, width, height) {
-        return this.table("maps", width, height, (gl, place) => {
+        const none = this.target(1, 1);
+        const values = this.table("maps", width, height, (gl, place) => {
+            this.bindOwn(place, none.texture);
             gl.uniform1i(place("light"), light);
             gl.uniform2f(place("size"), width, height);
         });
+        this.release(none);
+        return values;
+    }
+
+    /**
+     * How a material looks, seen in daylight: its colours under light from everywhere, seen along the normal and at 75 degrees, and at 45
+     * degrees the width of the highlight, how many times it is as bright as the light beside it, and about its share of the light.
+     */
+    look() {
+        const albedo = (degrees) => this.table("albedos", 1, 1, (gl, place) => {
+            this.bind(0, this.words, place("material_words"));
+            gl.uniform1i(place("place"), this.place);
+            gl.uniform1f(place("theta"), (degrees * Math.PI) / 180);
+            gl.uniform2fv(place("turned"), this.turned);
+        });
+        const columns = 721, row = this.curves(45, columns)[0];
+        // The BRDF, without the cosine of the light.
+        const values = Array.from({ length: columns }, (_, i) => row[4 * i] / Math.max(Math.cos((Math.PI * i) / (columns - 1) - Math.PI / 2), 0.05)).slice(20, -20);
+        const most = Math.max(...values), at = values.indexOf(most), base = [...values].sort((a, b) => a - b)[Math.floor(columns / 4)];
+        let [from, to] = [at, at];
+        const isHigh = (i) => values[i] > 0.5 * (most + base);
+        while (isHigh(from - 1)) from -= 1;
+        while (isHigh(to + 1)) to += 1;
+        const width = (180 * (to - from + 1)) / (columns - 1);
+        return { along: albedo(0), grazing: albedo(75), width, contrast: most / Math.max(base, 1e-9), share: most * Math.SQRT1_2 * Math.PI * ((width * Math.PI) / 360) ** 2 };
     }
 }

@@ -4,12 +4,13 @@ use crate::points::points;
 use crate::spectra::spectra;
 use serde_json::{Value, json};
 use srbf_core::{Material, Quarter, Sheet, printable, printable_lines};
-use srbf_evaluator::{QUARTERS, Surface};
+use srbf_evaluator::{QUARTERS, Surface, comments};
 use srbf_fit::judge::reciprocity::reciprocity;
 use srbf_fit::judge::report::{Report, factor_words};
 use srbf_fit::judge::verdict::Verdict;
-use srbf_fit::read::{Conventions, Source, Spectra, read_from};
+use srbf_fit::read::{Content, Conventions, Source, Spectra, read_from};
 use srbf_fit::{Settings, fit_source};
+use std::error::Error;
 
 /// First bytes of a `.srbf` file.
 const MAGIC: &[u8] = b"\x89SRBF";
@@ -19,7 +20,8 @@ const MAGIC: &[u8] = b"\x89SRBF";
 pub struct Opened {
     /// It as `.srbf` bytes in plain numbers.
     pub bytes: Vec<u8>,
-    /// `name`, `facts` (label and text), `findings`, `verdict`, `data` (see the page's `plot.js`) and `spectra`: of a sheet those of each quarter.
+    /// `name`, `facts` (label and text), `findings`, `verdict`, `data` (see the page's `plot.js`), `spectra`, of a sheet those of each quarter,
+    /// and `comment`: the provenance as a shader has it.
     pub json: Value,
 }
 
@@ -33,18 +35,29 @@ pub fn open(name: &str, bytes: &[u8], progress: impl FnMut(f64) + Send) -> Resul
     if bytes.starts_with(MAGIC) {
         let name = &printable(name).to_string();
         let surface = Surface::from_bytes(bytes).map_err(|error| format!("{name}: {error}"))?;
-        let (facts, spectra) = match &surface {
-            Surface::Material(material) => (facts(material), spectra(material)),
+        let (facts, spectra, provenance) = match &surface {
+            Surface::Material(material) => (facts(material), spectra(material), material.provenance()),
             Surface::Sheet(sheet) => {
                 let of = |quarter| sheet.quarter(quarter).map_or(Value::Null, |own| spectra(&own));
-                (facts_of_sheet(sheet), json!(Quarter::ALL.map(of)))
+                (facts_of_sheet(sheet), json!(Quarter::ALL.map(of)), sheet.provenance())
             }
         };
-        let json = json!({"name": stem(name), "facts": facts, "findings": [], "verdict": [], "data": null, "spectra": spectra});
+        let json = json!({"name": stem(name), "facts": facts, "findings": [], "verdict": [], "data": null, "spectra": spectra, "comment": comments(provenance)});
         return Ok(Opened { bytes: surface.plain_bytes().into_owned(), json });
     }
-    let source = read_from(name, bytes, &Conventions::default()).map_err(|error| error.to_string())?;
+    let source = read_from(name, bytes, &Conventions::default()).map_err(|error| said(&error))?;
     fitted(&source, progress)
+}
+
+/// An error and its causes.
+fn said(error: &dyn Error) -> String {
+    let mut text = error.to_string();
+    let mut cause = error.source();
+    while let Some(error) = cause {
+        text += &format!(": {error}");
+        cause = error.source();
+    }
+    text
 }
 
 /// Fits a measurement that was read, with the usual settings, and judges the fit.
@@ -54,21 +67,39 @@ pub fn open(name: &str, bytes: &[u8], progress: impl FnMut(f64) + Send) -> Resul
 pub fn fitted(source: &Source, progress: impl FnMut(f64) + Send) -> Result<Opened, String> {
     let Source { name, sha256, .. } = source;
     let settings = Settings { provenance: format!("{name}, SHA-256 {sha256}\n"), ..Settings::default() };
-    let text = |error: srbf_fit::FitError| format!("{name}: {error}");
+    let text = |error: srbf_fit::FitError| format!("{name}: {}", said(&error));
     let fit = fit_source(source, &settings, progress).map_err(text)?;
     let material = Material::from_bytes(fit.bytes.as_slice()).map_err(|error| format!("{name}: {error}"))?;
     let verdict = Verdict::of_material(&fit.report, &reciprocity(&material).map_err(text)?);
     let notes = fit.report.notes().into_iter().map(|note| format!("note {note}"));
     let lines: Vec<String> = notes.chain(verdict.lines()).collect();
-    let json = json!({
-        "name": stem(name),
-        "facts": facts(&material),
-        "findings": findings(&fit.report),
-        "verdict": lines,
-        "data": points(&source.content),
-        "spectra": spectra(&material),
-    });
-    Ok(Opened { bytes: fit.bytes, json })
+    Ok(of_fit(stem(name), &fit.bytes, Some(&fit.report), Some(&source.content))?.judged(&lines))
+}
+
+/// Opens a material with the report of its fit, and the measurement.
+///
+/// # Errors
+/// In words, for bytes that are no material.
+pub fn of_fit(
+    name: &str,
+    bytes: &[u8],
+    report: Option<&Report>,
+    content: Option<&Content>,
+) -> Result<Opened, String> {
+    let mut opened = open(&format!("{name}.srbf"), bytes, |_| {})?;
+    opened.json["findings"] = report.map_or_else(Vec::new, findings).into();
+    opened.json["data"] = content.map_or(Value::Null, points);
+    Ok(opened)
+}
+
+impl Opened {
+    /// The same with the lines of a verdict.
+    #[must_use]
+    pub fn judged(mut self, verdict: &[String]) -> Self {
+        let words: Vec<String> = verdict.iter().map(|line| printable(line).to_string()).collect();
+        self.json["verdict"] = words.into();
+        self
+    }
 }
 
 /// The name of a file without its last ending.
@@ -171,7 +202,7 @@ mod tests {
         let error = open("a.srbf", &damaged, |_| {}).unwrap_err();
         assert!(error.starts_with("a.srbf: "), "{error}");
         let error = open("b.csv", b"neither, one\nnor, the other\n", |_| {}).unwrap_err();
-        assert!(error.contains("b.csv"), "{error}");
+        assert!(error.starts_with("b.csv: no line names the columns"), "{error}");
     }
 
     #[test]

@@ -4,7 +4,7 @@ use crate::open::{Opened, open};
 use base64::Engine;
 use base64::prelude::BASE64_STANDARD;
 use serde_json::{Value, json};
-use srbf_evaluator::{Language, sheet_text, text};
+use srbf_evaluator::{Content, Language, functions, usage};
 
 /// A material that the page has.
 pub struct Preset<'a> {
@@ -25,12 +25,14 @@ pub struct Teapot<'a> {
 }
 
 /// The scripts, each after those that it imports.
-const SCRIPTS: [&str; 6] = [
+const SCRIPTS: [&str; 8] = [
     include_str!("../page/words.js"),
+    include_str!("../page/radiance.js"),
     include_str!("../page/tree.js"),
     include_str!("../page/tracer.js"),
     include_str!("../page/plot.js"),
     include_str!("../page/opener.js"),
+    include_str!("../page/palette.js"),
     include_str!("../page/page.js"),
 ];
 
@@ -56,6 +58,34 @@ pub fn files(
     ])
 }
 
+/// The page as one file, with a material that it begins with, and without the fitter.
+///
+/// # Errors
+/// As [`files`].
+pub fn one_file(presets: &[Preset<'_>], teapot: &Teapot<'_>, opened: &Opened) -> Result<String, String> {
+    let mut page = String::new();
+    for (name, bytes) in files(presets, teapot, Some(opened))? {
+        let text = String::from_utf8_lossy(&bytes);
+        let (tag, held) = match name {
+            "style.css" => (STYLE, format!("<style>\n{text}</style>")),
+            "data.js" => (DATA, format!("<script>\n{text}</script>")),
+            "page.js" => (SCRIPT, format!("<script>\n{text}</script>")),
+            _ => {
+                page = text.replace(FITTER, "");
+                continue;
+            }
+        };
+        page = page.replacen(tag, &held, 1);
+    }
+    Ok(page)
+}
+
+/// The elements by which the page names its other files.
+const STYLE: &str = "<link rel=\"stylesheet\" href=\"style.css\">";
+const DATA: &str = "<script src=\"data.js\"></script>";
+const FITTER: &str = "<script src=\"fitter.js\"></script>\n";
+const SCRIPT: &str = "<script src=\"page.js\"></script>";
+
 /// The module of the fitter for WebAssembly as a script.
 pub fn fitter_script(module: &[u8]) -> Vec<u8> {
     format!("self.srbfFitter = \"{}\";\n", BASE64_STANDARD.encode(module)).into_bytes()
@@ -77,14 +107,16 @@ fn data(presets: &[Preset<'_>], teapot: &Teapot<'_>, opened: Option<&Opened>) ->
     let preset = |preset: &Preset<'_>| open(&format!("{}.srbf", preset.name), preset.bytes, |_| {});
     let presets: Vec<Opened> = presets.iter().map(preset).collect::<Result<_, _>>()?;
     let presets: Vec<Value> = presets.iter().map(material).collect();
-    let evaluator = text(Language::Glsl);
+    let evaluator = functions(Language::Glsl, Content::Material);
     // Text that a shader of a sheet has behind it.
-    let sheet = sheet_text(Language::Glsl).split_off(evaluator.len());
+    let sheet = functions(Language::Glsl, Content::Sheet).split_off(evaluator.len());
+    let calls = [Content::Material, Content::Sheet].map(|content| usage(Language::Glsl, content, true));
     let data = json!({
         "version": env!("CARGO_PKG_VERSION"),
         "presets": presets,
         "evaluator": evaluator,
         "sheet": sheet,
+        "calls": calls,
         "teapot": {
             "positions": floats(teapot.positions),
             "normals": floats(teapot.normals),
@@ -126,6 +158,22 @@ mod tests {
             }
         }
         assert!(names.len() > 40, "{names:?}");
+    }
+
+    #[test]
+    fn one_file_names_no_other() {
+        let teapot = Teapot { positions: &[], normals: &[], triangles: &[] };
+        let opened =
+            Opened { bytes: Vec::new(), json: json!({"name": "a <script src=\"page.js\"></script>"}) };
+        let page = one_file(&[], &teapot, &opened).unwrap();
+        assert!(!page.contains(" src=\"") && !page.contains("stylesheet"), "{page}");
+        assert_eq!((page.matches("<style>").count(), page.matches("<script>").count()), (1, 2));
+        assert_eq!(page.matches("</script>").count(), 2);
+        assert!(
+            page.contains("--accent: #a3142e")
+                && page.contains("self.srbfData = {")
+                && page.contains("begin();")
+        );
     }
 
     #[test]

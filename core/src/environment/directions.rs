@@ -1,6 +1,7 @@
 //! Directions of light and of lobes that are evaluated together, and of which one is chosen by its weight.
 #![allow(clippy::needless_range_loop)] // see simd/lanes.rs: kernels loop over array indices
 
+use super::light::{LIGHT_BLOCK, LightRows, LightSource};
 use super::look_up::{Place, between, luminances, place};
 use super::table::{Colors, Table};
 use crate::kernel::draw::sample_direction;
@@ -15,6 +16,23 @@ pub(super) type Rows<const M: usize> = [[f32; M]; 3];
 /// Where directions are thinner, 1/sr, they bring nothing: nothing is drawn there.
 pub(super) const LEAST_DENSITY: f32 = 1e-30;
 
+/// Light, as kernels take it.
+#[derive(Clone, Copy)]
+pub(crate) enum Light<'a> {
+    /// A map, drawn from in vectors.
+    Map(&'a Table<'a>),
+    /// Code of the caller.
+    Any(&'a dyn LightSource),
+}
+
+impl<'a> Light<'a> {
+    /// The map, if it is one.
+    #[inline(always)]
+    pub fn map(self) -> Option<&'a Table<'a>> {
+        if let Self::Map(table) = self { Some(table) } else { None }
+    }
+}
+
 /// Room for `M` directions, lanes beside the last of them included: structures of arrays.
 pub(super) struct Directions<const M: usize> {
     /// In the caller's shading frame, and in the world.
@@ -22,6 +40,8 @@ pub(super) struct Directions<const M: usize> {
     pub world: Rows<M>,
     /// Radiance, divided by the density or the power of the light.
     pub light: Rows<M>,
+    /// Of a light that is no map its density, 1/sr.
+    pub of_light: [f32; M],
     /// `f cos`; 1/sr.
     pub value: Rows<M>,
     /// Density of the lobes; 1/sr.
@@ -44,10 +64,11 @@ impl<const R: usize> Places<R> {
     pub const NONE: Self = Self { cell: [0; R], is_other: [false; R], within: [[0.0; R]; 2] };
 }
 
-/// What directions of the lobes are drawn by: axes of the shading frame in the world, and three uniform numbers a direction.
-pub(super) struct FromLobes<'a, 't> {
+/// What directions of the lobes are drawn by: axes of the shading frame in the world, and three uniform numbers a direction. Cells
+/// are found in a map, if there is one.
+pub(super) struct FromLobes<'a> {
     pub mixture: &'a MixtureRef<'a>,
-    pub table: &'a Table<'t>,
+    pub map: Option<&'a Table<'a>>,
     pub frame: [[f32; 3]; 3],
     pub u: [&'a [f32]; 3],
 }
@@ -57,6 +78,7 @@ impl<const M: usize> Directions<M> {
         local: [[0.0; M]; 3],
         world: [[0.0; M]; 3],
         light: [[0.0; M]; 3],
+        of_light: [0.0; M],
         value: [[0.0; M]; 3],
         pdf: [0.0; M],
         weight: [0.0; M],
@@ -69,7 +91,7 @@ impl<const M: usize> Directions<M> {
     pub fn draw_lobes<L: Lanes, const R: usize>(
         &mut self,
         places: &mut Places<R>,
-        by: &FromLobes<'_, '_>,
+        by: &FromLobes<'_>,
         from: usize,
         count: usize,
     ) {
@@ -87,13 +109,16 @@ impl<const M: usize> Directions<M> {
             for i in 0..3 {
                 world[i] = dot3(local, splat3([tangent[i], bitangent[i], normal[i]]));
             }
-            let Place { column, across, row, depth } = place(by.table, world);
-            store3([column, row, depth], &mut found, at);
+            if let Some(table) = by.map {
+                let Place { column, across, row, depth } = place(table, world);
+                store3([column, row, depth], &mut found, at);
+                across.store(&mut places.within[0][at..]);
+            }
             store3(local, &mut self.local, from + at);
             store3(world, &mut self.world, from + at);
-            across.store(&mut places.within[0][at..]);
             at += L::COUNT;
         }
+        let Some(table) = by.map else { return };
         for i in 0..count {
             let place = Place {
                 column: found[0][i],
@@ -101,31 +126,40 @@ impl<const M: usize> Directions<M> {
                 row: found[1][i],
                 depth: found[2][i],
             };
-            let (cell, down) = by.table.cell(place, self.world[2][from + i]);
-            by.table.prefetch(cell);
+            let (cell, down) = table.cell(place, self.world[2][from + i]);
+            table.prefetch(cell);
             (places.cell[i], places.within[1][i]) = (cell as u32, down);
         }
     }
 
-    /// Evaluates all directions up to the end of a range without factors, and looks up the light of those in the range.
+    /// Evaluates the first `count` directions without factors.
     #[inline(always)]
-    pub fn evaluate<const R: usize>(
-        &mut self,
-        mixture: &MixtureRef<'_>,
-        table: &Table<'_>,
-        places: &Places<R>,
-        lit: Range<usize>,
-    ) {
-        let (from, count) = (lit.start, lit.end);
+    pub fn evaluate(&mut self, mixture: &MixtureRef<'_>, count: usize) {
         let local = self.local.each_ref().map(|row| &row[..count]);
         mixture.values(local, self.value.each_mut().map(|row| &mut row[..count]));
         mixture.densities(self.value.each_ref().map(|row| &row[..count]), &mut self.pdf[..count]);
-        for i in 0..count - from {
+    }
+
+    /// Looks up the light of the directions in a range, in the cells of a map.
+    #[inline(always)]
+    pub fn look_up<const R: usize>(&mut self, table: &Table<'_>, places: &Places<R>, lit: Range<usize>) {
+        let from = lit.start;
+        for i in 0..lit.end - from {
             let colors = Colors::new(&table.cells[places.cell[i] as usize], places.is_other[i]);
             let light = between(colors, places.within[0][i], places.within[1][i]);
             for channel in 0..3 {
                 self.light[channel][from + i] = light[channel];
             }
+        }
+    }
+
+    /// The rows that a light which is no map fills, from a direction on.
+    pub fn rows(&mut self, from: usize) -> LitRows<'_> {
+        LitRows {
+            local: self.local.each_mut().map(|row| &mut row[from..]),
+            world: self.world.each_mut().map(|row| &mut row[from..]),
+            light: self.light.each_mut().map(|row| &mut row[from..]),
+            of_light: &mut self.of_light[from..],
         }
     }
 
@@ -164,6 +198,79 @@ impl<const M: usize> Directions<M> {
     #[inline(always)]
     pub fn at(rows: &Rows<M>, i: usize) -> Vec3 {
         Vec3::new(rows[0][i], rows[1][i], rows[2][i])
+    }
+}
+
+/// Rows of directions that a light which is no map fills: whatever it does, with numbers. There is room for sixteen behind each.
+pub(super) struct LitRows<'a> {
+    local: [&'a mut [f32]; 3],
+    world: [&'a mut [f32]; 3],
+    light: [&'a mut [f32]; 3],
+    of_light: &'a mut [f32],
+}
+
+/// The inputs by which a light draws directions: axes of the shading frame in the world, and three uniform numbers a direction.
+#[derive(Clone, Copy)]
+pub(super) struct FromLight<'a> {
+    pub frame: &'a [[f32; 3]; 3],
+    pub u: [&'a [f32]; 3],
+}
+
+/// Sixteen numbers from a place on.
+#[inline(always)]
+fn sixteen(row: &mut [f32], from: usize) -> &mut [f32; LIGHT_BLOCK] {
+    row[from..].first_chunk_mut().expect("room behind the last direction")
+}
+
+impl LitRows<'_> {
+    /// Draws the first `whole` of them, or looks up the light of those that are there: radiance and density. Overwrites sixteen at a
+    /// time: lanes behind the last one hold anything.
+    pub fn fill(self, light: &dyn LightSource, whole: usize, by: Option<FromLight<'_>>) {
+        for from in (0..whole).step_by(LIGHT_BLOCK) {
+            let count = (whole - from).min(LIGHT_BLOCK);
+            let mut rows = LightRows::NONE;
+            if let Some(FromLight { u, .. }) = by {
+                light.sample_into(u.map(|u| &u[from..from + count]), &mut rows);
+            } else {
+                for k in 0..3 {
+                    rows.direction[k] = *sixteen(self.world[k], from);
+                }
+                light.evaluate_into(count, &mut rows);
+            }
+            rows.mend(by.is_some());
+            if let Some(FromLight { frame, .. }) = by {
+                for k in 0..3 {
+                    *sixteen(self.world[k], from) = rows.direction[k];
+                    let local = sixteen(self.local[k], from);
+                    for i in 0..LIGHT_BLOCK {
+                        let [x, y, z] = rows.direction.each_ref().map(|row| row[i]);
+                        local[i] = x * frame[k][0] + y * frame[k][1] + z * frame[k][2];
+                    }
+                }
+            }
+            for k in 0..3 {
+                *sixteen(self.light[k], from) = rows.radiance[k];
+            }
+            *sixteen(self.of_light, from) = rows.pdf;
+        }
+    }
+
+    /// Divides the radiance of the first `count` by its largest number, which is given back: no later product is more than a float holds.
+    /// 1 where all is black.
+    pub fn over_largest(self, count: usize) -> f32 {
+        let mut largest = 0.0;
+        for row in &self.light {
+            for &number in &row[..count] {
+                largest = if number > largest { number } else { largest };
+            }
+        }
+        if largest <= 0.0 {
+            return 1.0;
+        }
+        for row in self.light {
+            row[..count].iter_mut().for_each(|number| *number /= largest);
+        }
+        largest
     }
 }
 

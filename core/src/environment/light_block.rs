@@ -1,14 +1,11 @@
 //! Sixteen samples of the light, drawn once and used at many surfaces.
 
 use super::draw::EnvironmentSample;
-use super::table::Environment;
+use super::light::{LIGHT_BLOCK, LightRows, LightSource};
 use crate::simd::prefetch;
 use glam::Vec3;
 
-/// Samples in a block.
-pub const LIGHT_BLOCK: usize = 16;
-
-/// Sixteen samples of an environment as rows, each a cache line: what [`reflect`](crate::AnyMixture::reflect)
+/// Sixteen samples of a light as rows, each a cache line: what [`reflect`](crate::AnyMixture::reflect)
 /// reads.
 ///
 /// Blocks are made before rendering, as many as the caller has memory for, 448 bytes each. A *tile* is a few
@@ -38,9 +35,22 @@ pub struct LightBlock {
 }
 
 impl LightBlock {
-    /// Draws a block by [`Environment::sample`], three uniform numbers in [0, 1) a sample.
-    pub fn new(environment: &Environment<impl AsRef<[u32]>>, u: [&[f32; LIGHT_BLOCK]; 3]) -> Self {
-        Self::of(|i| environment.sample([u[0][i], u[1][i], u[2][i]]))
+    /// Draws a block, three uniform numbers in [0, 1) a sample. Of a light that is no map, the light is an estimate; a draw that
+    /// finds nothing brings none.
+    pub fn new(light: &impl LightSource, u: [&[f32; LIGHT_BLOCK]; 3]) -> Self {
+        if let Some(environment) = light.environment() {
+            return Self::of(|i| environment.sample([u[0][i], u[1][i], u[2][i]]));
+        }
+        let mut rows = LightRows::NONE;
+        light.sample_into(u.map(|u| &u[..]), &mut rows);
+        rows.mend(true);
+        let LightRows { direction, radiance, pdf } = rows;
+        Self::of(|i| EnvironmentSample {
+            direction: Vec3::new(direction[0][i], direction[1][i], direction[2][i]),
+            // Any density above 0 does for what brings no light.
+            pdf: if pdf[i] > 0.0 { pdf[i] } else { 1.0 },
+            radiance: Vec3::new(radiance[0][i], radiance[1][i], radiance[2][i]),
+        })
     }
 
     /// Of sixteen samples that were drawn, each by itself with the density that it tells.

@@ -51,10 +51,19 @@
 //! Lobes may sample another function, such as a measured table. The sums stay those of the lobes, and the two directions that rays
 //! go along are corrected: `x` and `h_1` outside of the differences are those of the other function. The differences have mean 0
 //! whatever they are made of.
+//!
+//! # Any light
+//! So may the light. Of a [`LightSource`] the sums are of its estimate `E`; the two corrected terms are of the radiance that the
+//! renderer finds, `L_c` and `L_1`. `V_c` and `V_1` in front of the differences become `min(1, L / E)` of the luminances there: how
+//! much of the estimate arrived. Of them steps 2 and 4 use only that `V_1` is independent of the choice, and `V_c` of the lobes'
+//! numbers. A mean of 0 stays 0, whatever it is multiplied by; so the mean is the integral of `L f cos`.
 
-use super::light_block::{LIGHT_BLOCK, LightBlock};
+use super::directions::Light;
+use super::light::{LIGHT_BLOCK, LightSource};
+use super::light_block::LightBlock;
 use super::table::Environment;
 use super::together::{MAX_REFLECT_RAYS, Together};
+use crate::color::luminance;
 use crate::error::Error;
 use crate::mixture::rows::{AnyMixture, Sample, drawn_density, weight_of};
 use glam::Vec3;
@@ -73,6 +82,10 @@ pub struct Reflection {
     pub ray_light: Vec3,
     /// Likewise of the shadow ray.
     pub shadow_light: Vec3,
+    /// What radiance along the ray is multiplied by to be `ray_light`, where the light's is an estimate; sr.
+    pub ray_factor: f32,
+    /// Likewise of the shadow ray.
+    pub shadow_factor: f32,
     /// `f cos` of the mixture towards the shadow ray; 1/sr.
     pub shadow_value: Vec3,
     /// `f cos` of the mixture towards the ray; 1/sr.
@@ -90,6 +103,8 @@ impl Reflection {
         shadow: None,
         ray_light: Vec3::ZERO,
         shadow_light: Vec3::ZERO,
+        ray_factor: 0.0,
+        shadow_factor: 0.0,
         shadow_value: Vec3::ZERO,
         ray_value: Vec3::ZERO,
         block_sum: Vec3::ZERO,
@@ -97,8 +112,8 @@ impl Reflection {
     };
 
     /// The light that is reflected to the viewer, direct light by both rays: whether the path's own ray
-    /// escapes to the environment, and whether the shadow ray does. The light that the path meets further on along the ray is
-    /// added to it; of the environment, nothing is.
+    /// escapes to the light, and whether the shadow ray does. The light that the path meets further on along the ray is
+    /// added to it; of the light itself, nothing is.
     ///
     /// Returns: linear sRGB, in the unit of the map. Single estimates may be below 0, where one of the rays
     /// is blocked.
@@ -117,24 +132,48 @@ impl Reflection {
         ray_value: Vec3,
         shadow_value: Vec3,
     ) -> Vec3 {
-        let shadow_is_clear = shadow_is_clear || self.shadow.is_none();
+        let shadow = shadow_is_clear.then_some((1.0, self.shadow_light * shadow_value));
+        self.sum(ray_escapes.then_some((1.0, self.ray_light * ray_value)), shadow)
+    }
+
+    /// As [`light`](Self::light), of any light: the radiance that the renderer finds along the path's ray, and along the shadow ray, 0
+    /// where nothing comes from there. It may be noisy. That of a ray that does not exist may have any value.
+    ///
+    /// The light counts whole, also that which the path meets further on along its ray, if the light's estimates are of all that.
+    #[inline]
+    pub fn light_from(&self, ray_radiance: Vec3, shadow_radiance: Vec3) -> Vec3 {
+        let of = |radiance: Vec3, factor: f32, estimate: Vec3, value: Vec3| {
+            let found = radiance * factor;
+            // How much of the estimate arrived: in [0, 1], where both are 0 too.
+            let ratio = luminance(found) / luminance(estimate);
+            let share = if ratio > 0.0 { ratio.min(1.0) } else { 0.0 };
+            (share, found * value)
+        };
+        let ray = of(ray_radiance, self.ray_factor, self.ray_light, self.ray_value);
+        let shadow = of(shadow_radiance, self.shadow_factor, self.shadow_light, self.shadow_value);
+        self.sum(self.ray.is_some().then_some(ray), Some(shadow))
+    }
+
+    /// The sums, corrected by two rays: how much of the light each brings, and that light. `None` where nothing is seen.
+    #[inline]
+    fn sum(&self, ray: Option<(f32, Vec3)>, shadow: Option<(f32, Vec3)>) -> Vec3 {
+        // A shadow ray that does not exist hides nothing, and brings nothing.
+        let shadow = if self.shadow.is_some() { shadow } else { Some((1.0, Vec3::ZERO)) };
         let mut light = Vec3::ZERO;
-        if shadow_is_clear {
-            light += self.ray_sum - self.ray_light * self.ray_value;
-            if self.shadow.is_some() {
-                light += self.shadow_light * shadow_value;
-            }
+        if let Some((share, brought)) = shadow {
+            light += (self.ray_sum - self.ray_light * self.ray_value) * share;
+            light += brought;
         }
-        if ray_escapes {
-            light += self.block_sum - self.shadow_light * self.shadow_value;
-            light += self.ray_light * ray_value;
+        if let Some((share, brought)) = ray {
+            light += (self.block_sum - self.shadow_light * self.shadow_value) * share;
+            light += brought;
         }
         light
     }
 }
 
 impl AnyMixture<'_> {
-    /// Draws the ray that a path goes on along, and a shadow ray, for the light of an environment. Where nothing is in the way,
+    /// Draws the ray that a path goes on along, and a shadow ray, for an environment or another light. Where nothing is in the way,
     /// the reflected light is a sum over all directions of `block` and all of `u`: with evenly spread numbers it is nearly exact.
     /// See `core/src/environment/reflect.rs` for the estimator and why it is unbiased.
     ///
@@ -171,7 +210,23 @@ impl AnyMixture<'_> {
     /// ```
     pub fn reflect(
         &self,
-        environment: &Environment<impl AsRef<[u32]>>,
+        light: &impl LightSource,
+        block: &LightBlock,
+        frame: &[Vec3; 3],
+        flat: Vec3,
+        u: [&[f32]; 3],
+        choice: f32,
+    ) -> Result<Reflection, Error> {
+        let environment = light.environment();
+        let table = environment.as_ref().map(Environment::borrowed);
+        let light = table.as_ref().map_or(Light::Any(light), Light::Map);
+        self.reflect_of(light, block, frame, flat, u, choice)
+    }
+
+    /// The same of either kind of light.
+    fn reflect_of(
+        &self,
+        light: Light<'_>,
         block: &LightBlock,
         frame: &[Vec3; 3],
         flat: Vec3,
@@ -185,27 +240,31 @@ impl AnyMixture<'_> {
         if self.head.power <= 0.0 {
             return Ok(Reflection::NONE);
         }
-        let table = environment.borrowed();
         let mut together = Together::NONE;
-        together.draw(&self.borrowed(), &table, block, frame, u);
+        together.draw(&self.borrowed(), light, block, frame, u);
         if self.has_factors() {
             together.multiply(&self.head, count);
         }
-        let [block_sum, ray_sum] = together.weigh(self.head.level, block, table.power, flat, count);
-        let (direction, ray_value, ray_light, pdf) = together.ray();
+        let power = light.map().map(|table| table.power);
+        let [block_sum, ray_sum] = together.weigh(self.head.level, block, power, flat, count);
+        let (direction, ray_value, ray_light, [pdf, factor]) = together.ray();
         let ray = Sample { direction, pdf: drawn_density(pdf), weight: weight_of(ray_value, pdf) };
         let mut drawn = Reflection {
             ray: Some(ray),
             ray_light,
+            // `min` is a number, whatever it is given.
+            ray_factor: (factor / power.unwrap_or(1.0)).min(f32::MAX),
             ray_value,
             block_sum: block_sum / LIGHT_BLOCK as f32,
             ray_sum: ray_sum / count as f32,
             ..Reflection::NONE
         };
-        if let Some(chosen) = together.choose(choice) {
+        if let Some(chosen) = together.choose(block, choice) {
             drawn.shadow = Some(chosen.direction);
             drawn.shadow_value = chosen.value;
-            drawn.shadow_light = chosen.light * (chosen.over_probability / LIGHT_BLOCK as f32);
+            let over_probability = chosen.over_probability / LIGHT_BLOCK as f32;
+            drawn.shadow_light = chosen.light * over_probability;
+            drawn.shadow_factor = (chosen.factor * over_probability).min(f32::MAX);
         }
         let both = drawn.ray_light * drawn.ray_value + drawn.shadow_light * drawn.shadow_value;
         if (drawn.block_sum + drawn.ray_sum + both).is_finite() { Ok(drawn) } else { Err(Error::Amplitude) }

@@ -194,6 +194,13 @@ impl<M: AsRef<[u32]>> Environment<M> {
         self.power
     }
 
+    /// The same, of memory that it borrows.
+    #[inline(always)]
+    pub(super) fn by_reference(&self) -> Environment<&[u32]> {
+        let Self { memory, start, shape, power, turn } = self;
+        Environment { memory: memory.as_ref(), start: *start, shape: *shape, power: *power, turn: *turn }
+    }
+
     /// What kernels read.
     #[inline(always)]
     pub(super) fn borrowed(&self) -> Table<'_> {

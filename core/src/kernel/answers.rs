@@ -72,7 +72,7 @@ pub(crate) fn answer_block(
     if let Some(draw) = &mut request.draw {
         if let Some(weight) = &mut draw.weight {
             if has_factors {
-                multiply(level, source, hits.count, wo, direction, drawn);
+                multiply(level, &|hit| source.factors(hit), hits.count, wo, direction, drawn);
             }
             weigh(drawn);
             block.copy_out(&drawn.value, weight);
@@ -93,7 +93,7 @@ pub(crate) fn answer_block(
         }
         if let Some(value) = &mut evaluate.value {
             if has_factors {
-                multiply(level, source, hits.count, wo, wi, towards);
+                multiply(level, &|hit| source.factors(hit), hits.count, wo, wi, towards);
             }
             block.copy_out(&towards.value, value);
         }
@@ -101,7 +101,7 @@ pub(crate) fn answer_block(
 }
 
 /// Divides values by their densities, as [`weight_of`](crate::mixture::rows::weight_of) does: without a branch, for vectors.
-fn weigh(Sums { value, pdf }: &mut Sums) {
+pub(crate) fn weigh(Sums { value, pdf }: &mut Sums) {
     for channel in value {
         for (value, &pdf) in channel.iter_mut().zip(&*pdf) {
             let weight = *value / if pdf >= LEAST_DENSITY { pdf } else { 1.0 };
@@ -111,17 +111,17 @@ fn weigh(Sums { value, pdf }: &mut Sums) {
 }
 
 /// Multiplies values by their factors: all at once where the hits have the same.
-fn multiply(
+pub(crate) fn multiply<'n>(
     level: Level,
-    source: &dyn LobeSource,
+    factors: &dyn Fn(usize) -> Nodes<'n>,
     count: usize,
     wo: &[Numbers; 3],
     wi: &[Numbers; 3],
     sums: &mut Sums,
 ) {
     let is_dark = |sums: &Sums, i: usize| sums.value.iter().all(|channel| channel[i] == 0.0);
-    let first = source.factors(0);
-    if (1..count).all(|i| first.is(&source.factors(i))) {
+    let first = factors(0);
+    if (1..count).all(|i| first.is(&factors(i))) {
         if first.is_none() {
             return;
         }
@@ -136,7 +136,7 @@ fn multiply(
         return;
     }
     for i in 0..count {
-        let nodes = source.factors(i);
+        let nodes = factors(i);
         if !nodes.is_none() && !is_dark(sums, i) {
             let pair = (&nodes, [wo[0][i], wo[1][i], wo[2][i]]);
             let factor = level.run_one::<_, Factor>(pair, [wi[0][i], wi[1][i], wi[2][i]]);

@@ -15,7 +15,7 @@ use crate::simd::elementary::{exp2, exp2_soon, sin_cos};
 use crate::simd::lanes::{Lanes, WIDEST, WIDEST_PAIR, dot3, halves, of_halves, splat3};
 #[cfg(feature = "simd")]
 use crate::simd::prefetch_lines;
-use crate::simd::two_rows::{ROWS, TwoRows};
+use crate::simd::tables::{ROWS, TwoRows};
 use crate::squeeze::Squeeze;
 
 /// The bytes from `ahead` before an offset on, at least `need` of them: near either end of the file those of
@@ -38,7 +38,7 @@ pub(crate) use from_offset;
 macro_rules! rows_at {
     ($L:ty, $material:expr, $place:expr, $copy_a:ident, $copy_b:ident, $room:expr) => {{
         use $crate::kernel::between_views as rows_of;
-        use $crate::simd::two_rows::{Shape, TwoRows};
+        use $crate::simd::tables::{ROWS, Shape, TwoRows};
         let (material, place): ($crate::material::borrowed::MaterialRef<'_>, _) = ($material, $place);
         let header = material.header;
         let (count, mirrored) = (header.lobes, header.mirrored);
@@ -52,7 +52,7 @@ macro_rules! rows_at {
             rows_of::decode(material, place, [a, b]);
             TwoRows::new([bytemuck::cast_slice(a), bytemuck::cast_slice(b)], shape)
         } else {
-            let ([a, b], need) = (place.rows(header), shape.bytes());
+            let ([a, b], need) = (place.rows(header), shape.bytes(ROWS));
             let a = rows_of::from_offset!(material.bytes, a, 4 * mirrored, need, $copy_a, { rows_of::PADDED });
             let b = rows_of::from_offset!(material.bytes, b, 4 * mirrored, need, $copy_b, { rows_of::PADDED });
             TwoRows::new([a, b], shape)
@@ -91,8 +91,14 @@ impl Place {
     /// Of an angle from the normal; `passed` views have one of at most that.
     #[inline(always)]
     pub fn after(material: MaterialRef<'_>, passed: usize, theta: f32) -> Self {
+        Self::among_angles(material, material.header.views, passed, theta)
+    }
+
+    /// The same among a number of angles: views, or rings of views.
+    #[inline(always)]
+    pub fn among_angles(material: MaterialRef<'_>, angles: usize, passed: usize, theta: f32) -> Self {
         let (bytes, header) = (material.bytes, material.header);
-        let after = passed.min(header.views - 1);
+        let after = passed.min(angles - 1);
         let before = after.saturating_sub(1);
         let (from, to) = (header.angle(bytes, before), header.angle(bytes, after));
         let blend = if to > from { ((theta - from) / (to - from)).clamp(0.0, 1.0) } else { 0.0 };
@@ -160,7 +166,12 @@ pub(crate) fn views_passed<L: Lanes>(material: MaterialRef<'_>, theta: f32) -> u
     if L::COUNT == 1 {
         return one_lobe::views_passed(material, theta);
     }
-    let last = material.header.views - 1;
+    angles_of_views_passed::<L>(material, material.header.views - 1, theta)
+}
+
+/// How many of the angles before the `last` are at most `theta`; the first always is.
+#[inline(always)]
+pub(crate) fn angles_of_views_passed<L: Lanes>(material: MaterialRef<'_>, last: usize, theta: f32) -> usize {
     if material.header.codes.is_some() {
         return angles_passed(material.bytes, last, theta);
     }
@@ -343,6 +354,26 @@ pub(crate) struct Lobes<L> {
     pub luminance: L,
 }
 
+/// Amplitudes of lobes and their luminance, of the first number as a power of two and the logarithms or differences of the others; behind
+/// the last lobe 0.
+#[inline(always)]
+pub(crate) fn colored<L: Lanes>(
+    first: L,
+    [second, third]: [L; 2],
+    valid: L::Mask,
+    has_luminance: bool,
+) -> ([L; 3], L) {
+    let nothing = L::splat(if has_luminance { 0.0 } else { -126.0 });
+    let second = L::select(valid, second, nothing);
+    let third = L::select(valid, third, nothing);
+    if has_luminance {
+        (color::rgb(first, [second, third]), first)
+    } else {
+        let rgb = [first, exp2(second), exp2(third)];
+        (rgb, dot3(rgb, splat3(LUMINANCE)))
+    }
+}
+
 /// The numbers of two views, and the share of the second.
 pub(crate) struct Rows<'a> {
     pub views: TwoRows<'a>,
@@ -372,15 +403,7 @@ impl Rows<'_> {
         let [angle, log_sharpness, first, second, third] = self.numbers::<L>(k);
         let (angle, log_sharpness) = (angle.keep(valid), log_sharpness.keep(valid));
         let first = exp2(L::select(valid, first, none));
-        let nothing = if self.has_luminance { zero } else { none };
-        let second = L::select(valid, second, nothing);
-        let third = L::select(valid, third, nothing);
-        let (rgb, luminance) = if self.has_luminance {
-            (color::rgb(first, [second, third]), first)
-        } else {
-            let rgb = [first, exp2(second), exp2(third)];
-            (rgb, dot3(rgb, splat3(LUMINANCE)))
-        };
+        let (rgb, luminance) = colored(first, [second, third], valid, self.has_luminance);
         let (x, z) = sin_cos(angle);
         let axis = self.turned(k, [x, zero, z]);
         let sharpness = if SOON { exp2_soon(log_sharpness) } else { exp2(log_sharpness) };
@@ -462,14 +485,14 @@ pub(crate) const FEW_DECODED: [[f32; 5 * WIDEST + WIDEST_PAIR]; 2] = [[0.0; 5 * 
 
 /// The numbers that views of a material in codes have, little endian; as many go before them as there are mirrored lobes.
 #[inline(always)]
-pub(crate) fn decode(material: MaterialRef<'_>, place: Place, to: [&mut [f32]; 2]) {
+pub(crate) fn decode(material: MaterialRef<'_>, place: Place, [a, b]: [&mut [f32]; 2]) {
     let header = material.header;
     let Some(views) = header.two_views(material.bytes, place.views()) else { return };
     let len = 5 * header.lobes + header.mirrored;
-    let mut numbers = to.map(|to| &mut to[header.mirrored..][..len]);
-    views.all(header.mirrored, numbers.each_mut().map(|numbers| &mut **numbers));
+    let (a, b) = (&mut a[header.mirrored..][..len], &mut b[header.mirrored..][..len]);
+    views.all(header.mirrored, [&mut *a, &mut *b]);
     if cfg!(target_endian = "big") {
-        for number in numbers.into_iter().flatten() {
+        for number in [a, b].into_iter().flatten() {
             *number = f32::from_bits(number.to_bits().to_le());
         }
     }

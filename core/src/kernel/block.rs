@@ -72,6 +72,26 @@ impl Hits {
         }
     }
 
+    /// Copies the numbers of a hit of another block; `shines`: something is drawn from it.
+    #[cfg(feature = "simd")]
+    pub fn copy_hit(&mut self, i: usize, from: &Self, shines: bool) {
+        (self.lobes[i], self.squeezed[i]) = (from.lobes[i], from.squeezed[i]);
+        self.in_plane &= from.in_plane;
+        for n in 0..2 {
+            self.azimuth[n][i] = from.azimuth[n][i];
+            self.stretch[n][i] = from.stretch[n][i];
+            self.widen[n][i] = from.widen[n][i];
+        }
+        for channel in 0..3 {
+            self.diffuse[channel][i] = from.diffuse[channel][i];
+        }
+        self.excess[i] = from.excess[i];
+        self.lobes_power[i] = from.lobes_power[i];
+        self.power[i] = if shines { from.power[i] } else { 0.0 };
+        self.inverse_power[i] = from.inverse_power[i];
+        self.is_there[i] = from.is_there[i];
+    }
+
     /// Sets the power of lobes and diffuse terms, and its inverse.
     #[inline(always)]
     pub fn set_power<L: Lanes>(&mut self, diffuse_power: &Numbers) {

@@ -2,11 +2,29 @@
 //! alone.
 #![allow(clippy::needless_range_loop)] // see simd/lanes.rs: kernels loop over array indices
 
+use crate::float::BELOW_ONE;
 use crate::mixture::row;
 use crate::mixture::rows::{AnyMixture, Domain, Head, MixtureRef};
 use crate::simd::elementary::{ln_plus_times, sin_cos_turns};
 use crate::simd::lanes::{Lanes, TOGETHER, WIDEST, dot3, halves, of_halves, scale};
 use crate::squeeze::turn_back;
+
+/// Chooses one of some shares, which sum to 1, by a number of a draw. Returns: its place, and the number that is left, uniform in [0, 1).
+/// The last one that is not 0 takes the rest that rounding leaves.
+#[inline(always)]
+pub(crate) fn choose(shares: &[f32], u: f32) -> (usize, f32) {
+    let (mut left, mut chosen) = (u, (0, 0.0));
+    for (k, &share) in shares.iter().enumerate() {
+        if share > 0.0 {
+            chosen = (k, (left / share).min(BELOW_ONE));
+            if left < share {
+                break;
+            }
+            left -= share;
+        }
+    }
+    chosen
+}
 
 /// What drawing from a lobe needs to know of it.
 pub(crate) struct Choice<L: Lanes> {

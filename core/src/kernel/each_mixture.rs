@@ -13,14 +13,12 @@ use super::slices::{Block, same_length};
 use crate::error::Error;
 use crate::material::borrowed::Material;
 #[cfg(feature = "simd")]
-use crate::material::borrowed::MaterialRef;
-#[cfg(feature = "simd")]
 use crate::mixture::factors::Nodes;
 #[cfg(feature = "simd")]
 use crate::mixture::row::Group;
-use crate::mixture::rows::{AnyMixture, Sample, drawn_density};
 #[cfg(feature = "simd")]
-use crate::mixture::rows::{Domain, Mixture};
+use crate::mixture::rows::Domain;
+use crate::mixture::rows::{AnyMixture, Sample, drawn_density};
 use crate::simd::detect::Level;
 use crate::simd::lanes::WIDEST;
 use glam::Vec3;
@@ -150,45 +148,6 @@ impl LobeSource for Made<'_, '_> {
         let hits = if self.0[hit].is_nothing() { self.0 } else { &self.0[hit..=hit] };
         let nodes = hits.iter().map(|m| m.head.factors.nodes).find(|nodes| !nodes.is_none());
         nodes.unwrap_or(Nodes::NONE)
-    }
-}
-
-/// Asks the mixtures for the outgoing directions of a material, which are made in blocks: of an anisotropic one,
-/// as an isotropic one needs none.
-#[cfg(feature = "simd")]
-pub(crate) fn by_mixtures(
-    material: MaterialRef<'_>,
-    wo: [&[f32]; 3],
-    level: Level,
-    request: &mut Request<'_>,
-) {
-    // Room that is not needed is not cleared.
-    if material.header.lobe_count() <= WIDEST {
-        let mut mixtures = [const { Mixture::<16>::empty() }; WIDEST];
-        let mixtures = mixtures.each_mut().map(|mixture| -> &mut AnyMixture<'_> { mixture });
-        in_room(material, wo, level, request, mixtures);
-    } else {
-        let mut mixtures = [const { Mixture::<64>::empty() }; WIDEST];
-        let mixtures = mixtures.each_mut().map(|mixture| -> &mut AnyMixture<'_> { mixture });
-        in_room(material, wo, level, request, mixtures);
-    }
-}
-
-#[cfg(feature = "simd")]
-fn in_room<'m>(
-    material: MaterialRef<'m>,
-    wo: [&[f32]; 3],
-    level: Level,
-    request: &mut Request<'_>,
-    mut mixtures: [&mut AnyMixture<'m>; WIDEST],
-) {
-    let mut room = Room::NEW;
-    for block in Block::all(wo[0].len()) {
-        let wo = wo.map(|s| &s[block.from..block.from + block.count]);
-        let mut made = mixtures.each_mut().map(|mixture| Some(&mut **mixture));
-        prepare_each(material, wo, level, &mut made[..block.count]);
-        let made = mixtures.each_ref().map(|mixture| &**mixture);
-        answer_block(level, &mut Made(&made[..block.count]), block, None, request, &mut room);
     }
 }
 

@@ -18,6 +18,9 @@ pub(crate) struct Facing<L: Lanes> {
     pub theta: L,
     /// Cosine and sine, in the caller's frame, of the azimuth of +x of the view.
     pub azimuth: [L; 2],
+    /// The same, of any length.
+    #[cfg(feature = "simd")]
+    pub away: [L; 2],
     /// A unit vector, and one above the horizon.
     unit: L::Mask,
     there: L::Mask,
@@ -42,6 +45,8 @@ impl<L: Lanes> Facing<L> {
                 L::select(is_tilted, (zero - x) * inverse, one),
                 L::select(is_tilted, (zero - y) * inverse, zero),
             ],
+            #[cfg(feature = "simd")]
+            away: [L::select(is_tilted, zero - x, one), L::select(is_tilted, zero - y, zero)],
             unit,
             there: L::both(unit, z.ge(zero)),
         }
@@ -51,6 +56,13 @@ impl<L: Lanes> Facing<L> {
     #[inline(always)]
     pub fn is_there(&self) -> L::Mask {
         self.there
+    }
+
+    /// The unit vectors.
+    #[cfg(feature = "simd")]
+    #[inline(always)]
+    pub fn is_unit(&self) -> L::Mask {
+        self.unit
     }
 
     /// The first lane, which is of `wo`; `None` if that is no unit vector.

@@ -1,13 +1,17 @@
 //! From a material and outgoing directions to mixtures.
 
+#[cfg(feature = "simd")]
+use super::among_rings::{FillRings, Frame};
 use super::between_views::{Place, at_place, views_passed, views_passed_by_each};
 use super::outgoing::{Facing, Outgoing, facing};
 use super::prepare_anisotropic;
 use crate::error::Error;
 use crate::material::borrowed::{Material, MaterialRef};
-use crate::material::layout::{Kind, Shape};
+use crate::material::layout::Kind;
 use crate::mixture::factors::Factors;
 use crate::mixture::leave_out::LeaveOut;
+#[cfg(feature = "simd")]
+use crate::mixture::row::Group;
 use crate::mixture::rows::{AnyMixture, Domain};
 use crate::simd::detect::Level;
 use crate::simd::lanes::{Lanes, WIDEST, WIDEST_PAIR};
@@ -109,6 +113,10 @@ pub(crate) fn prepare<'m>(
     level: Level,
     mixture: &mut AnyMixture<'m>,
 ) -> Result<(), Error> {
+    #[cfg(feature = "simd")]
+    if !material.header.is_isotropic() && level != Level::Scalar {
+        return among_rings(material, wo, leave_out, level, mixture);
+    }
     level.run_one::<_, Towards>(Prepare { material, leave_out, level, mixture }, wo.to_array())
 }
 
@@ -163,7 +171,14 @@ fn interpolate<'m, L: Lanes, const FEW: bool>(
             let passed = views_passed::<L>(material, outgoing.theta);
             between_views::<L, FEW>(material, outgoing, passed, leave_out, mixture);
         }
-        Kind::Grid(shape) => among_rings::<L, FEW>(material, shape, outgoing, leave_out, mixture),
+        // With vectors `among_rings` makes it.
+        Kind::Grid(shape) if L::COUNT == 1 => {
+            let among = prepare_anisotropic::prepare::<L>(material, shape, &outgoing, leave_out, mixture);
+            if material.header.has_factors() {
+                mixture.head.factors = Factors::new(material, outgoing.wo, among);
+            }
+        }
+        Kind::Grid(_) => {}
     }
 }
 
@@ -177,6 +192,11 @@ pub(crate) fn prepare_each<'a, 'm>(
 ) {
     if material.header.is_isotropic() && level != Level::Scalar {
         level.run_vectors(PrepareInto { material, wo, level, mixtures });
+        return;
+    }
+    #[cfg(feature = "simd")]
+    if level != Level::Scalar {
+        each_among_rings(material, wo, level, mixtures);
         return;
     }
     for (i, mixture) in mixtures.iter_mut().flatten().enumerate() {
@@ -256,18 +276,95 @@ fn between_views<'m, L: Lanes, const FEW: bool>(
     }
 }
 
-/// The same for an anisotropic material.
-#[inline(always)]
-fn among_rings<'m, L: Lanes, const FEW: bool>(
+/// Makes the mixture for an outgoing direction, of an anisotropic material.
+#[cfg(feature = "simd")]
+#[inline(never)]
+fn among_rings<'m>(
     material: MaterialRef<'m>,
-    shape: Shape,
-    outgoing: Outgoing,
+    wo: Vec3,
+    leave_out: LeaveOut,
+    level: Level,
+    mixture: &mut AnyMixture<'m>,
+) -> Result<(), Error> {
+    mixture.begin(level, Domain::Hemisphere, Squeeze::NONE);
+    let needed = material.header.lobe_count();
+    if needed > mixture.capacity() {
+        return Err(Error::Capacity { needed, available: mixture.capacity() });
+    }
+    let frame = Frame::of_one(material, wo, level, &mut mixture.groups);
+    if !frame.is_unit {
+        return Err(Error::Direction);
+    }
+    if frame.is_there {
+        complete(material, &frame, wo, leave_out, mixture);
+    }
+    Ok(())
+}
+
+/// Makes the mixtures for at most [`WIDEST`] outgoing directions, of an anisotropic material.
+#[cfg(feature = "simd")]
+fn each_among_rings<'a, 'm>(
+    material: MaterialRef<'m>,
+    wo: [&'a [f32]; 3],
+    level: Level,
+    mixtures: &'a mut [Option<&'a mut AnyMixture<'m>>],
+) {
+    let (mut directions, mut frames) = ([[0.5; WIDEST]; 3], [Frame::NONE; WIDEST]);
+    let count = mixtures.len().min(WIDEST);
+    for (to, from) in directions.iter_mut().zip(wo) {
+        to[..count].copy_from_slice(&from[..count]);
+    }
+    let mut groups = mixtures.iter_mut().flatten().map(|mixture| -> &mut [Group] {
+        mixture.begin(level, Domain::Hemisphere, Squeeze::NONE);
+        &mut mixture.groups
+    });
+    let (materials, frames, groups) = (&[material; WIDEST][..count], &mut frames[..count], &mut groups);
+    let numbers = directions.each_ref().map(|numbers| &numbers[..]);
+    level.run_vectors(FillRings { materials, wo: numbers, frames, groups });
+    for (i, (mixture, frame)) in mixtures.iter_mut().flatten().zip(frames).enumerate() {
+        if frame.is_there {
+            let wo = Vec3::new(wo[0][i], wo[1][i], wo[2][i]);
+            complete(material, frame, wo, LeaveOut::default(), mixture);
+        }
+    }
+}
+
+/// Completes a mixture that has begun and has the lobes of a frame.
+#[cfg(feature = "simd")]
+fn complete<'m>(
+    material: MaterialRef<'m>,
+    frame: &Frame,
+    wo: Vec3,
     leave_out: LeaveOut,
     mixture: &mut AnyMixture<'m>,
 ) {
-    let among = prepare_anisotropic::prepare::<L::Lobes, FEW>(material, shape, &outgoing, leave_out, mixture);
-    if material.header.has_factors() {
-        mixture.head.factors = Factors::new(material, outgoing.wo, among);
+    mixture.head.in_plane = false;
+    mixture.head.squeeze = Squeeze::new(frame.azimuth, frame.stretch[0], frame.stretch[1]);
+    mixture.set_diffuse(frame.diffuse);
+    let header = material.header;
+    let (count, squeezed) = (header.lobes, header.squeezed);
+    mixture.head.level.run_vectors(Finish { count, squeezed, leave_out, mixture });
+    mixture.sum_up();
+    if header.has_factors() {
+        mixture.head.factors = Factors::new(material, wo, frame.among);
+    }
+}
+
+/// What every lobe needs.
+#[cfg(feature = "simd")]
+struct Finish<'a, 'm> {
+    count: usize,
+    squeezed: usize,
+    leave_out: LeaveOut,
+    mixture: &'a mut AnyMixture<'m>,
+}
+
+#[cfg(feature = "simd")]
+impl Routine for Finish<'_, '_> {
+    type Output = ();
+    #[inline(always)]
+    fn run<L: Lanes>(self) {
+        self.mixture.finish_lobes::<L::Lobes, false>(self.count, self.squeezed, self.leave_out);
     }
 }
 

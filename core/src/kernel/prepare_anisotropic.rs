@@ -1,4 +1,5 @@
-//! From an anisotropic material and an outgoing direction to a mixture: lanes are lobes.
+//! From an anisotropic material and an outgoing direction to a mixture: the meaning of the numbers, and the text for one number at a time. With
+//! vectors `among_rings.rs` has it.
 //!
 //! # Interpolated numbers
 //! The views lie on rings round the normal, each ring periodic in the azimuth of the outgoing direction. The mixture of a view is
@@ -35,12 +36,7 @@ use super::outgoing::Outgoing;
 use crate::color;
 use crate::material::borrowed::MaterialRef;
 use crate::material::codes::Codes;
-#[cfg(feature = "simd")]
-use crate::material::codes::Counts;
-#[cfg(not(feature = "simd"))]
 use crate::material::codes::TwoViews;
-#[cfg(feature = "simd")]
-use crate::material::layout::MAX_LOBES;
 use crate::material::layout::{AXIS_UNIT, GRID_HEAD, GRID_ROWS, Header, Shape, f32_at};
 use crate::mixture::factors::Among;
 use crate::mixture::leave_out::LeaveOut;
@@ -48,8 +44,6 @@ use crate::mixture::row;
 use crate::mixture::rows::AnyMixture;
 use crate::simd::elementary::{atan2_positive, rare_exp2, sin_cos};
 use crate::simd::lanes::Lanes;
-#[cfg(feature = "simd")]
-use crate::simd::lanes::WIDEST;
 use crate::squeeze::Squeeze;
 use core::f32::consts::PI;
 
@@ -126,23 +120,6 @@ fn head_between(
     a
 }
 
-/// Numbers of the lobes of a view that was decoded, and some more that a vector may read.
-#[cfg(feature = "simd")]
-const ROOM: usize = GRID_ROWS * MAX_LOBES + WIDEST;
-
-/// Decodes the numbers of lobes of four views, two at a ring, as they would stand in a file.
-#[cfg(feature = "simd")]
-#[cold]
-#[inline(never)]
-fn decoded(bytes: &[u8], codes: Codes<true>, counts: Counts, views: [[usize; 2]; 2]) -> [[f32; ROOM]; 4] {
-    let (mut numbers, count) = ([[0.0; ROOM]; 4], GRID_ROWS * counts.lobes);
-    let [a, b, c, d] = numbers.each_mut().map(|numbers| &mut numbers[..count]);
-    codes.two_views(counts, bytes, views[0]).all(0, [a, b]);
-    codes.two_views(counts, bytes, views[1]).all(0, [c, d]);
-    numbers.as_flattened_mut().iter_mut().for_each(|n| *n = f32::from_bits(n.to_bits().to_le()));
-    numbers
-}
-
 /// Where the numbers of the lobes of four views stand.
 struct Stored<'a> {
     bytes: &'a [u8],
@@ -150,7 +127,6 @@ struct Stored<'a> {
     at: [[usize; 2]; 2],
     lobes: usize,
     /// Codes that are read one by one.
-    #[cfg(not(feature = "simd"))]
     codes: Option<[TwoViews<'a, true>; 2]>,
 }
 
@@ -158,14 +134,12 @@ impl Stored<'_> {
     /// Numbers of lobes from the k-th on, between the two views of a ring.
     #[inline(always)]
     fn between<L: Lanes>(&self, ring: usize, row: usize, k: usize, onward: L) -> L {
-        #[cfg(not(feature = "simd"))]
         if let Some(codes) = &self.codes {
             let [a, b] = codes[ring].numbers(row, k).map(L::splat);
             return (b - a).mul_add(onward, a);
         }
         let offset = 4 * (row * self.lobes + k);
-        let a = load_bytes::<L>(self.bytes, self.at[ring][0] + offset);
-        let b = load_bytes::<L>(self.bytes, self.at[ring][1] + offset);
+        let [a, b] = self.at[ring].map(|at| L::splat(f32_at(self.bytes, at + offset)));
         (b - a).mul_add(onward, a)
     }
 }
@@ -247,12 +221,12 @@ fn framed(
     Frame { place, views, along: [c, s], image, tilt: [tilt_cos, tilt_sin], squeeze }
 }
 
-/// Interpolates the lobes round an outgoing direction. The mixture has begun, and is to be summed up.
+/// Interpolates the lobes round an outgoing direction, one after the other. The mixture has begun, and is to be summed up.
 /// Returns: where the direction lies among the views.
 #[cfg_attr(not(feature = "simd"), inline(never))]
 #[cfg_attr(feature = "simd", inline(always))]
 #[allow(clippy::needless_range_loop)] // see simd/lanes.rs: kernels loop over array indices
-pub(crate) fn prepare<L: Lanes, const FEW: bool>(
+pub(crate) fn prepare<L: Lanes>(
     material: MaterialRef<'_>,
     shape: Shape,
     outgoing: &Outgoing,
@@ -267,17 +241,6 @@ pub(crate) fn prepare<L: Lanes, const FEW: bool>(
         framed(material, shape, codes, outgoing, mixture);
     let turned = place.rings[0] == 0;
 
-    #[cfg(feature = "simd")]
-    let room;
-    #[cfg(feature = "simd")]
-    let stored = if let Some(codes) = codes {
-        room = decoded(bytes, codes, header.grid_counts(shape), views);
-        let at = [[0, 4 * ROOM], [8 * ROOM, 12 * ROOM]];
-        Stored { bytes: bytemuck::cast_slice(room.as_flattened()), at, lobes: count }
-    } else {
-        Stored { bytes, at: views.map(|ring| ring.map(|view| shape.row(header, view, 0))), lobes: count }
-    };
-    #[cfg(not(feature = "simd"))]
     let stored = Stored {
         bytes,
         at: views.map(|ring| ring.map(|view| shape.row(header, view, 0))),
@@ -286,7 +249,7 @@ pub(crate) fn prepare<L: Lanes, const FEW: bool>(
     };
     let (zero, one) = (L::splat(0.0), L::splat(1.0));
     let (onward, outward) = (L::splat(place.onward), L::splat(place.outward));
-    row::for_lobes!(FEW, L, &mut mixture.groups, count, |group, at, k| {
+    row::for_lobes!(false, L, &mut mixture.groups, count, |group, at, k| {
         let valid = L::iota().lt(L::splat((count - k) as f32));
         let mut rows = [zero; GRID_ROWS];
         for row in 0..GRID_ROWS {
@@ -327,22 +290,7 @@ pub(crate) fn prepare<L: Lanes, const FEW: bool>(
         amplitude[1].store(&mut group[row::GREEN][at..]);
         amplitude[2].store(&mut group[row::BLUE][at..]);
     });
-    mixture.finish_lobes::<L, FEW>(count, header.squeezed, leave_out);
+    mixture.finish_lobes::<L, false>(count, header.squeezed, leave_out);
     let views = views.map(|ring| ring.map(|view| view as u16));
     Among { views, onward: place.onward, outward: place.outward }
-}
-
-/// Loads little-endian f32 from bytes of any alignment; numbers past the end read as 0.
-#[inline(always)]
-fn load_bytes<L: Lanes>(bytes: &[u8], offset: usize) -> L {
-    if L::COUNT == 1 {
-        return L::splat(f32_at(bytes, offset));
-    }
-    let rest = &bytes[offset..];
-    if rest.len() >= 4 * L::COUNT {
-        return L::load_bytes(rest);
-    }
-    let mut padded = [0; 64];
-    padded[..rest.len()].copy_from_slice(rest);
-    L::load_bytes(&padded)
 }

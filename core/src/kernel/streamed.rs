@@ -5,9 +5,9 @@
 //! sixteen hits, and [`pairs`] asks any number, each with an outgoing direction and a material of its own.
 
 #[cfg(feature = "simd")]
-mod block;
+pub(crate) mod block;
 #[cfg(feature = "simd")]
-mod lobes;
+pub(super) mod lobes;
 pub(crate) mod one;
 pub(crate) mod pairs;
 pub(crate) mod question;

@@ -283,18 +283,21 @@ impl<const GRID: bool> TwoViews<'_, GRID> {
     }
 
     /// All numbers of the lobes at the two views, in the order of `LOBE`: for vectors, which have no branch for a number.
+    ///
+    /// Pairs are written out: a closure over an array becomes a call.
     #[inline(always)]
-    pub fn all(&self, mirrored: usize, mut to: [&mut [f32]; 2]) {
+    pub fn all(&self, mirrored: usize, [a, b]: [&mut [f32]; 2]) {
         let (stored, all) = (self.codes.rows() * self.lobes, Codes::<GRID>::ROWS * self.lobes);
         let together = if self.codes.is_grey { stored } else { all + mirrored };
-        self.decode(0, to.each_mut().map(|to| &mut to[..together]));
+        self.decode(0, [&mut a[..together], &mut b[..together]]);
         if self.codes.is_grey {
-            for to in &mut to {
-                to[stored..all].fill(0.0);
+            a[stored..all].fill(0.0);
+            b[stored..all].fill(0.0);
+            if !GRID {
+                self.decode(stored, [&mut a[all..all + mirrored], &mut b[all..all + mirrored]]);
             }
-            self.decode(stored, to.each_mut().map(|to| &mut to[all..all + mirrored]));
         }
-        for (to, angle) in to.iter_mut().zip(self.angles) {
+        for (to, angle) in [a, b].into_iter().zip(self.angles) {
             if !GRID && angle == 0.0 {
                 to[..self.lobes].fill(0.0);
                 to[all..all + mirrored].fill(0.0);
@@ -307,12 +310,12 @@ impl<const GRID: bool> TwoViews<'_, GRID> {
     fn decode(&self, from: usize, to: [&mut [f32]; 2]) {
         let [a, b] = self.rows;
         if self.codes.bytes == 1 {
-            let codes = [a, b].map(|codes| codes[from..].iter().map(|code| u16::from(*code)));
-            self.decode_each(from, to, codes);
+            let of = |code: &u8| u16::from(*code);
+            self.decode_each(from, to, [a[from..].iter().map(of), b[from..].iter().map(of)]);
         } else {
-            let codes =
-                [a, b].map(|codes| codes.as_chunks().0[from..].iter().copied().map(u16::from_le_bytes));
-            self.decode_each(from, to, codes);
+            let of = |code: &[u8; 2]| u16::from_le_bytes(*code);
+            let [a, b] = [a.as_chunks().0, b.as_chunks().0];
+            self.decode_each(from, to, [a[from..].iter().map(of), b[from..].iter().map(of)]);
         }
     }
 

@@ -83,7 +83,7 @@ impl<B: AsRef<[u8]>> Material<B> {
     ///
     /// # Errors
     /// [`FormatError::Buffer`] if `out` is too small; [`FormatError::Field`] for options that there are not, and for views less
-    /// than 3e-5 radians apart. The same for a squeeze matrix or an axis at the very end of its range.
+    /// than 3e-5 radians apart. The same for a squeeze matrix, or an axis of an anisotropic material, at the very end of its range.
     pub fn pack(&self, options: PackOptions, provenance: &str, out: &mut [u8]) -> Result<usize, FormatError> {
         if ![8, 16].contains(&options.bits) {
             return Err(FormatError::Field { name: "bits of a code (8 or 16)", offset: HEADER });
@@ -238,12 +238,16 @@ impl<B: AsRef<[u8]>> Material<B> {
         let head_len = numbers.head.len() - grey;
         let head_scale = |i: usize| {
             let first = usize::from(i < numbers.zero_head);
-            Scale::over((first..views).map(|view| self.head_number(view, i)), u16::MAX)
+            Scale::over(
+                (first..views).map(|view| inside(self.head_number(view, i), numbers.head[i])),
+                u16::MAX,
+            )
         };
         (0..head_len).for_each(|i| writer.put(&head_scale(i).to_bytes()));
         for view in 0..views {
             for (i, limits) in numbers.head.iter().enumerate().take(head_len) {
-                let code = head_scale(i).encode(self.head_number(view, i), 0.0, u16::MAX, *limits);
+                let number = inside(self.head_number(view, i), *limits);
+                let code = head_scale(i).encode(number, 0.0, u16::MAX, *limits);
                 writer.put(&code.to_le_bytes());
             }
         }
@@ -252,15 +256,18 @@ impl<B: AsRef<[u8]>> Material<B> {
         // Colour differences come behind the luminances.
         let colors = numbers.luminance + 1..numbers.luminance + 1 + grey;
         let rows = || (0..numbers.rows.len()).filter(|row| !colors.contains(row));
+        let number = |view: usize, row: usize, lobe: usize| {
+            inside(self.lobe_number(view, row, lobe), numbers.rows[row])
+        };
         let lobe_scale = |row: usize, lobe: usize| {
             let first = usize::from(numbers.zero_rows.contains(&row));
-            let of_views = (first..views).map(|view| self.lobe_number(view, row, lobe));
+            let of_views = (first..views).map(|view| number(view, row, lobe));
             if row == numbers.luminance && codes.bytes == 1 {
                 let brightest = of_views.clone().fold(-126.0, f32::max);
                 return Scale::over(of_views.map(|n| n.max(brightest - DARKEST)), most);
             }
             let scale = Scale::over(of_views, most);
-            let onward = (first..views).map(|view| self.lobe_number(view, row, lobe) - angle(view));
+            let onward = (first..views).map(|view| number(view, row, lobe) - angle(view));
             let relative = Scale { is_relative: true, ..Scale::over(onward, most) };
             if row == ANGLE && relative.step < scale.step { relative } else { scale }
         };
@@ -274,14 +281,19 @@ impl<B: AsRef<[u8]>> Material<B> {
             for row in rows() {
                 for lobe in 0..self.row_len(row) {
                     let scale = writer.scale_at(start, place);
-                    let code =
-                        scale.encode(self.lobe_number(view, row, lobe), angle(view), most, numbers.rows[row]);
+                    let code = scale.encode(number(view, row, lobe), angle(view), most, numbers.rows[row]);
                     writer.put(&code.to_le_bytes()[..codes.bytes.into()]);
                     place += 1;
                 }
             }
         }
     }
+}
+
+/// A number within its limits by some roundings, so that its code is within them too.
+fn inside(number: f32, (least, largest): (f32, f32)) -> f32 {
+    const WITHIN: f32 = 1.0 - 4.0 * f32::EPSILON;
+    number.clamp(least * WITHIN, largest * WITHIN)
 }
 
 /// How codes are stored.

@@ -147,6 +147,25 @@ pub fn sin_cos<L: Lanes>(angle: L) -> (L, L) {
     quadrant(r, n)
 }
 
+/// `sin(x) / x` and the cosine of an angle of at most pi, of its square: what turns an angle as a vector into a direction, without a root or a
+/// division. Absolute error below 1.4e-7 and 5e-7, up to pi / 2 below 1.0e-7.
+#[cfg(feature = "simd")]
+#[inline(always)]
+pub fn sinc_cos<L: Lanes>(square: L) -> (L, L) {
+    // Minimax of their excess over 1, divided by the square; errors 8.1e-10 and 1.2e-8.
+    const SINC: [f32; 6] =
+        [1.364_381_1e-10, -2.473_856_8e-8, 2.753_704e-6, -1.984_060_4e-4, 8.333_324e-3, -0.166_666_66];
+    const COS: [f32; 6] =
+        [1.729_061_4e-9, -2.709_348_6e-7, 2.477_164_4e-5, -1.388_790_5e-3, 4.166_652e-2, -0.499_999_9];
+    let (mut sinc, mut cos) = (L::splat(SINC[0]), L::splat(COS[0]));
+    for i in 1..6 {
+        sinc = sinc.mul_add(square, L::splat(SINC[i]));
+        cos = cos.mul_add(square, L::splat(COS[i]));
+    }
+    let one = L::splat(1.0);
+    (sinc.mul_add(square, one), cos.mul_add(square, one))
+}
+
 /// Sine and cosine of `2 pi u`, `u` in `[0, 1]`; absolute error below 1.2e-7.
 #[inline(always)]
 pub fn sin_cos_turns<L: Lanes>(u: L) -> (L, L) {

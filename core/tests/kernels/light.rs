@@ -2,7 +2,8 @@
 
 use crate::{at_each_level, is_near, materials, three, upper};
 use srbf_core::{
-    Environment, LIGHT_BLOCK, LightBlock, Mixture, ProductSampling, Vec3, environment_len, luminance,
+    Environment, LIGHT_BLOCK, LightBlock, LightRows, LightSource, Mixture, ProductSampling, Vec3,
+    environment_len, luminance,
 };
 use srbf_levels::inputs::Random;
 use srbf_levels::outputs::{slices, structure_of_arrays};
@@ -88,6 +89,19 @@ fn light_alone_and_with_lobes_is_that_of_the_plain_text() {
 
 type Light = Environment<Vec<u32>>;
 
+/// A map by the two verbs alone, as code of the caller.
+struct Hidden<'a>(&'a Light);
+
+impl LightSource for Hidden<'_> {
+    fn sample_into(&self, u: [&[f32]; 3], to: &mut LightRows) {
+        self.0.sample_into(u, to);
+    }
+
+    fn evaluate_into(&self, count: usize, to: &mut LightRows) {
+        self.0.evaluate_into(count, to);
+    }
+}
+
 /// The luminance of a draw is the mean of those of its candidates, whichever was chosen; it is the one that the choice falls on.
 fn product_is_plain(
     m: &Mixture<64>,
@@ -130,6 +144,16 @@ fn product_is_plain(
     if near.iter().all(|(_, after)| after.abs() > 1e-3 * whole) {
         let (wanted, _) = near.iter().find(|(_, after)| *after > 0.0).unwrap();
         assert!(drawn.direction.distance(*wanted) < 4e-6, "{place}: {drawn:?}, {wanted}");
+        // The same light as code of the caller.
+        let other = m.sample_product(&Hidden(light), axes, &sampling, slices(&arrays, count), choice);
+        let other = other.unwrap().unwrap();
+        let found = other.factor * light.radiance(other.direction);
+        let scale = drawn.weight.abs().max_element();
+        let apart = (other.weight - drawn.weight).abs().max((found - drawn.weight).abs()).max_element();
+        assert!(
+            other.direction.distance(*wanted) < 4e-6 && apart < 4e-3 * scale,
+            "{place}: {drawn:?}, {other:?}"
+        );
     }
     let weight = f64::from(luminance(drawn.weight).max(luminance(drawn.weight.abs()) / 8.0));
     assert!((weight * count as f64 / whole - 1.0).abs() < 2e-3, "{place}: {weight} of {whole}");

@@ -9,7 +9,7 @@ import { tmpdir } from "node:os";
 import { extname, join, normalize } from "node:path";
 
 const [folder, browser] = process.argv.slice(2);
-const SECONDS = 300, MOST_NOISES = 1.5, MOST_APART = 0.01;
+const SECONDS = 600, MOST_NOISES = 1.5, MOST_APART = 0.01, MOST_STILL = 0.05;
 const types = { ".html": "text/html", ".js": "text/javascript", ".json": "application/json" };
 
 let answered;
@@ -44,12 +44,17 @@ server.close();
 let isRight = !found.error && found.answers.length > 0;
 if (found.error) console.log(found.error);
 else console.log(`three.js r${found.version}; differences over the mean, and how many of both noises`);
-for (const { name, blocks, difference, noise, picture } of found.answers ?? []) {
+for (const { name, blocks, difference, noise, still, isSame, picture } of found.answers ?? []) {
     const noises = difference / noise;
-    isRight &&= noises <= MOST_NOISES && noise > 0 && noise < 0.03;
-    console.log(`${name}: ${blocks} blocks, ${(100 * difference).toFixed(2)} %, noise ${(100 * noise).toFixed(2)} %, ${noises.toFixed(2)} noises`);
+    isRight &&= noises <= MOST_NOISES && noise > 0 && noise < 0.03 && still <= MOST_STILL && isSame;
+    console.log(`${name}: ${blocks} blocks, ${(100 * difference).toFixed(2)} %, noise ${(100 * noise).toFixed(2)} %, ${noises.toFixed(2)} noises; a picture without noise ${(100 * still).toFixed(2)} %${isSame ? "" : ", and another one the second time"}`);
     await writeFile(join(folder, `${name}.png`), Buffer.from(picture.split(",")[1], "base64"));
 }
+for (const [name, [value, bound]] of Object.entries(found.features ?? {})) {
+    isRight &&= value <= bound;
+    console.log(`${value <= bound ? "" : "FAILS: "}${name}: ${value.toExponential(1)}, at most ${bound}`);
+}
+isRight &&= Object.keys(found.features ?? {}).length === 15;
 for (const { side, difference, parts } of found.sheets ?? []) {
     isRight &&= difference < MOST_APART && parts.every((part) => Math.max(...part) > 0.001);
     console.log(`a sheet from ${side > 0 ? "the front" : "behind"}: ${(100 * difference).toFixed(2)} % from the sum of its quarters`);

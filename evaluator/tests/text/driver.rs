@@ -1,6 +1,6 @@
 //! The text as a program: `values.cpp`, compiled and asked.
 
-use srbf_evaluator::{Language, sheet_text};
+use srbf_evaluator::{Language, blend_text};
 use std::io::{Read, Write};
 use std::path::{Path, PathBuf};
 use std::process::{Child, Command, Stdio};
@@ -27,16 +27,21 @@ pub struct Program {
 
 impl Program {
     pub fn compile(language: Language, folder: &str, options: &[&str]) -> Self {
+        Self::compile_with(language, folder, options, &[])
+    }
+
+    /// The same, run with arguments.
+    pub fn compile_with(language: Language, folder: &str, options: &[&str], arguments: &[&str]) -> Self {
         let folder = Path::new(env!("CARGO_TARGET_TMPDIR")).join(folder);
         std::fs::create_dir_all(&folder).expect("the target folder can be written");
-        std::fs::write(folder.join("text"), sheet_text(language)).expect("the target folder can be written");
+        std::fs::write(folder.join("text"), blend_text(language)).expect("the target folder can be written");
         let program = folder.join("values");
         let mut compiler = compiler(language);
         compiler.args(options).arg("-I").arg(&folder).arg("-o").arg(&program);
         compiler.arg(Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/values.cpp"));
         assert!(compiler.status().expect("g++ is installed").success(), "{language:?} does not compile");
         let mut command = Command::new(program);
-        let child = command.stdin(Stdio::piped()).stdout(Stdio::piped()).spawn();
+        let child = command.args(arguments).stdin(Stdio::piped()).stdout(Stdio::piped()).spawn();
         Self { child: child.expect("the program runs") }
     }
 

@@ -3,7 +3,7 @@
 
 use crate::driver::compiler;
 use srbf_core::{Line, Material, PlaneLobe, View, printable_lines};
-use srbf_evaluator::{Language, export, json, text};
+use srbf_evaluator::{Content, Language, Surface, export, functions, json};
 use std::path::Path;
 
 /// What ends a line somewhere.
@@ -76,7 +76,9 @@ fn no_text_of_a_stranger_leaves_its_comment() {
         for language in Language::ALL {
             let place = format!("{name}, {language:?}");
             let written = export(&material, language);
-            let (before, after) = written.split_once(&text(language)).expect("the text itself is there");
+            let text = functions(language, Content::Material);
+            let text = &text[text.find("// A material, evaluated").expect("its first comment")..];
+            let (before, after) = written.split_once(text).expect("the text itself is there");
             let comments: Vec<&str> = before.split(ENDS).take_while(|line| line.starts_with("//")).collect();
             assert_eq!(comments.join("\n").contains("evil"), provenance.contains("evil"), "{place}");
             assert!(comments.join("\n").len() < 40_000, "{place}: too long");
@@ -95,6 +97,48 @@ fn no_text_of_a_stranger_leaves_its_comment() {
         // Quotes and backslashes in pairs, and no more strings than two.
         let plain = line.replace("\\\\", "").replace("\\\"", "");
         assert_eq!(plain.matches('"').count(), 4, "{name}: {line}");
+    }
+}
+
+/// The calls of the comment that an export begins with.
+fn calls(export: &str) -> Vec<&str> {
+    let comment = export.lines().take_while(|line| line.starts_with("//"));
+    comment.filter_map(|line| line.strip_prefix("//     ")).collect()
+}
+
+#[test]
+fn two_exports_are_called_in_one_program_as_they_say() {
+    let folder = Path::new(env!("CARGO_TARGET_TMPDIR")).join("calls");
+    std::fs::create_dir_all(&folder).expect("the target folder can be written");
+    let bytes = material("a comment of srbf_data");
+    let (glass, paint) =
+        (std::fs::read(crate::driver::root().join("presets/sheets/ground_glass.srbf")), &bytes);
+    let glass = Surface::from_bytes(glass.expect("a preset")).expect("a sheet");
+    let paint = Surface::from_bytes(paint.clone()).expect("a material");
+    for language in [Language::Cpp, Language::Metal] {
+        let vector = if language == Language::Cpp { "NAME_device::vec3" } else { "float3" };
+        let mut program = String::new();
+        for (surface, name) in [(&paint, "paint"), (&glass, "glass"), (&paint, "srbf")] {
+            let text = surface.export_as(language, name);
+            assert!(
+                name == "srbf"
+                    || text.matches("srbf_").count() == text.matches("a comment of srbf_data").count()
+            );
+            assert!(calls(&text).len() == 5, "{text}");
+            let path = folder.join(format!("{name}.{}", language.ending()));
+            std::fs::write(&path, &text).expect("the target folder can be written");
+            let given =
+                format!("{vector} wo, {vector} wi, float u0, float u1, float u2").replace("NAME", name);
+            program += &format!(
+                "#include \"{}\"\nfloat use_{name}({given}) {{\n{}\nreturn light.pdf + drawn.pdf + albedo.x; }}\n",
+                path.display(),
+                calls(&text).join("\n")
+            );
+        }
+        let source = folder.join(format!("program.{}", language.ending()));
+        std::fs::write(&source, program).expect("the target folder can be written");
+        let status = compiler(language).args(["-fsyntax-only", "-x", "c++"]).arg(&source).status();
+        assert!(status.expect("g++ is installed").success(), "{} does not compile", source.display());
     }
 }
 

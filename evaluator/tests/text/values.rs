@@ -3,10 +3,10 @@
 use crate::driver::{Program, root};
 use glam::Vec3;
 use srbf_core::{
-    Draws, FactorTable, Grid, GridView, Line, MAX_LOBES, Material, Mixture, PackOptions, PlaneLobe, Sheet,
-    SheetMixture, SpectralColumns, SpectralMap, TiltedLobe, Towards, View,
+    Blend, BlendPart, Draws, FactorTable, Grid, GridView, Line, MAX_LOBES, Material, Mixture, PackOptions,
+    PlaneLobe, Sheet, SheetMixture, SpectralColumns, SpectralMap, TiltedLobe, Towards, View, fresnel,
 };
-use srbf_evaluator::{Language, Surface, export, sheet_text, text};
+use srbf_evaluator::{Content, Language, Surface, export, functions, text};
 use std::path::{Path, PathBuf};
 use std::process::Command;
 
@@ -342,10 +342,52 @@ fn sheets_say_what_the_library_says() {
 }
 
 #[test]
+fn blends_say_what_the_library_says() {
+    let parts = [brushed(), std::fs::read(root().join("presets/cayman.srbf")).expect("a preset")];
+    let bytes = joined([Some(&parts[0]), Some(&parts[1]), None, None], true);
+    let [first, second] = parts.each_ref().map(|bytes| Material::from_bytes(&bytes[..]).expect("a material"));
+    let all = [
+        BlendPart::new(&first, 1.0).tinted([0.7; 3]),
+        BlendPart::new(&second, 1.0).tinted([0.3, 0.24, 0.18]),
+    ];
+    let blend = Blend::new(&all).expect("sound weights");
+    let mut random = Random(3);
+    let hits: Vec<[[f32; 3]; 3]> = (0..N)
+        .map(|_| [random.direction(), random.direction(), [random.next(), random.next(), random.next()]])
+        .collect();
+    let given: Vec<Vec<f32>> =
+        (0..9).map(|row| hits.iter().map(|hit| hit[row / 3][row % 3]).collect()).collect();
+    let mut want = vec![vec![0.0; N]; 14];
+    for (i, [wo, wi, u]) in hits.iter().enumerate() {
+        let (sample, (value, pdf)) = blend.sample_and_evaluate(*wo, *u, *wi);
+        let sample = sample.expect("it reflects");
+        let rows = [value.to_array(), [pdf, sample.direction.x, sample.direction.y]].concat();
+        let rows = [rows, vec![sample.direction.z, sample.pdf], sample.weight.to_array().to_vec()].concat();
+        let rows = [rows, blend.albedo(*wo).to_array().to_vec()].concat();
+        want.iter_mut().zip(rows).for_each(|(want, number)| want[i] = number);
+    }
+    for language in [Language::Cpp, Language::Metal] {
+        let folder = format!("{language:?}-blend");
+        let mut program = Program::compile_with(language, &folder, &["-O2"], &["blend"]);
+        let got = program.ask(&bytes, &given).expect("it answers").expect("a sheet");
+        check("blend", language, &got, &want);
+        for (i, [wo, wi, _]) in hits.iter().enumerate() {
+            let coat = (1.0 - fresnel(1.5, wo[2])) * (1.0 - fresnel(1.5, wi[2]));
+            assert!((got[15][i] - coat).abs() < 1e-5, "{language:?} {i}: {} {coat}", got[15][i]);
+            assert!((got[16][i] - fresnel(1.33, wi[2])).abs() < 1e-5, "{language:?} {i}");
+        }
+    }
+}
+
+#[test]
 fn exports_hold_their_sheet() {
     let sheets = sheets();
     for language in Language::ALL {
-        assert!(sheet_text(language).starts_with(text(language).trim_end_matches(language_end(language))));
+        let [material, sheet, blend] =
+            [Content::Material, Content::Sheet, Content::Blend].map(|content| functions(language, content));
+        for more in [sheet, blend] {
+            assert!(more.starts_with(material.trim_end_matches(language_end(language))));
+        }
         for (name, bytes) in &sheets {
             let surface = Surface::from_bytes(&bytes[..]).expect("a sheet");
             let written = surface.export(language);

@@ -5,11 +5,26 @@
 use crate::anisotropic::grid::{CellPlace, Layout};
 use crate::anisotropic::tuning::balance::{MOST, PASSES, POWER, STAY, STEPS, UNCERTAIN};
 use crate::family::balance::{Balance, Row};
+use crate::family::factors::Factors;
+use crate::family::tuning::factors::AVERAGED;
 use crate::numeric::cholesky::Square;
+use rayon::prelude::*;
 
 /// Scales the amplitudes at all stored views. `albedo`: places, and the albedo of the data there.
-pub(super) fn balance(layout: &Layout, x: &mut [f64], albedo: &[(CellPlace, [f64; 3])]) {
-    let of = |_, q: &[f64]| layout.albedo(q, None);
+pub(super) fn balance(
+    layout: &Layout,
+    x: &mut [f64],
+    table: Option<&Factors>,
+    albedo: &[(CellPlace, [f64; 3])],
+) {
+    // Amplitudes alone are scaled, and the means of factors over lobes do not depend on them.
+    let means = |&(place, _): &(CellPlace, [f64; 3])| {
+        let mut q = vec![0.0; layout.stride()];
+        layout.interpolate(x, place, &mut q);
+        table.map(|f| f.means(layout, &q, layout.theta(place), AVERAGED))
+    };
+    let means: Vec<Option<Vec<[f64; 3]>>> = albedo.par_iter().map(means).collect();
+    let of = |number: usize, q: &[f64]| layout.albedo(q, means[number].as_deref());
     let balance = Balance { layout, aims: albedo, albedo: of, passes: PASSES, most: MOST };
     balance.scale(x, |rows| factors(rows, layout.stored_views()));
 }

@@ -1,13 +1,18 @@
 //! Tables of anisotropic BRDFs: views over the hemisphere, samples over the whole of it.
 //!
 //! As for isotropic ones (`table/evaluable.rs`), the directions of a view are drawn from a mixture of a uniform hemisphere and
-//! caps round the peak, ever narrower; but the peak is looked for in two dimensions, and nothing is mirrored.
+//! caps round the peak, ever narrower; but the peak is looked for in two dimensions, and nothing is mirrored. Lobes that are fitted draw
+//! others: there the error of a lobe shows that the data do not have, and a highlight that is long and narrow is met all along.
 
+use crate::FitError;
 use crate::anisotropic::shape::frame;
-use crate::anisotropic::tuning::table::{ALBEDO, NARROWER, NARROWEST, WIDEST};
+use crate::anisotropic::tuning::table::{ALBEDO, ALBEDO_DRAWN, DRAWN, NARROWER, NARROWEST, WIDEST};
+use crate::judge::fitted_material::TrackedView;
+use crate::judge::method::FittedView;
 use crate::numeric::GOLDEN_ANGLE;
 use crate::table::{Brdf, Density, Sample, View};
 use rayon::prelude::*;
+use srbf_core::Material;
 use std::f64::consts::PI;
 
 /// A view at an azimuth. Its samples are in the frame of the view: +x in the plane of incidence, away from the outgoing direction.
@@ -20,10 +25,30 @@ pub(crate) struct TurnedView {
 
 /// Tabulates a BRDF at outgoing directions, angle and azimuth.
 pub(super) fn tabulate(brdf: &dyn Brdf, directions: &[(f64, f64)], density: Density) -> Vec<TurnedView> {
-    directions.par_iter().map(|&(theta, phi)| tabulate_view(brdf, theta, phi, density)).collect()
+    directions.par_iter().map(|&(theta, phi)| tabulate_view(brdf, (theta, phi), density, None)).collect()
 }
 
-fn tabulate_view(brdf: &dyn Brdf, theta: f64, phi: f64, density: Density) -> TurnedView {
+/// The same, with directions that the lobes of a material draw beside the others; other ones in every `round`.
+pub(super) fn resample(
+    brdf: &dyn Brdf,
+    directions: &[(f64, f64)],
+    density: Density,
+    (bytes, round): (&[u8], usize),
+) -> Result<Vec<TurnedView>, FitError> {
+    let material = Material::from_bytes(bytes)?;
+    let view = |&(theta, phi): &(f64, f64)| {
+        let lobes = TrackedView::new(&material, theta, phi + PI)?;
+        Ok(tabulate_view(brdf, (theta, phi), density, Some((&lobes, round))))
+    };
+    directions.par_iter().map(view).collect()
+}
+
+fn tabulate_view(
+    brdf: &dyn Brdf,
+    (theta, phi): (f64, f64),
+    density: Density,
+    lobes: Option<(&TrackedView<'_>, usize)>,
+) -> TurnedView {
     let wo = crate::table::direction(theta, phi);
     let (sin, cos) = libm::sincos(phi + PI);
     let value = |d: [f64; 3]| {
@@ -39,18 +64,49 @@ fn tabulate_view(brdf: &dyn Brdf, theta: f64, phi: f64, density: Density) -> Tur
     }
 
     let sample = |(d, weight): ([f64; 3], f64)| Sample { direction: d, rgb: value(d), weight };
-    let samples: Vec<Sample> = weighed(axis, &caps, density).map(sample).collect();
+    let drawn = |count| lobes.map(|(lobes, round)| Drawn { lobes, count, round });
+    let samples: Vec<Sample> = weighed(axis, &caps, density, drawn(DRAWN).as_ref()).map(sample).collect();
     // Errors of an albedo of 1 % count: those of so few samples are as large.
     let mut albedo = [0.0; 3];
-    for (d, weight) in weighed(axis, &caps, ALBEDO) {
+    for (d, weight) in weighed(axis, &caps, ALBEDO, drawn(ALBEDO_DRAWN).as_ref()) {
         let rgb = value(d);
         (0..3).for_each(|c| albedo[c] += weight * rgb[c] * d[2]);
     }
     TurnedView { phi, view: View { theta, samples, albedo, uncut_albedo: albedo, floor: 0.0 } }
 }
 
-/// Directions over the hemisphere and in caps round an axis, with their weights.
-fn weighed(axis: [f64; 3], caps: &[f64], density: Density) -> impl Iterator<Item = ([f64; 3], f64)> {
+/// Directions that lobes draw.
+struct Drawn<'a> {
+    lobes: &'a TrackedView<'a>,
+    count: usize,
+    round: usize,
+}
+
+impl Drawn<'_> {
+    fn directions(&self) -> impl Iterator<Item = [f64; 3]> {
+        (0..self.count).filter_map(|i| {
+            // The R2 sequence (Roberts 2018) beside even steps; another part of it in every round.
+            let n = (i + self.round * self.count) as f64;
+            let even = (i as f64 + 0.5) / self.count as f64;
+            self.lobes.draw([even, R2[0] * n, R2[1] * n].map(|u| u.fract() as f32))
+        })
+    }
+
+    fn density(&self, d: [f64; 3]) -> f64 {
+        self.count as f64 * self.lobes.pdf(d).unwrap_or(0.0)
+    }
+}
+
+/// Steps of the R2 sequence.
+const R2: [f64; 2] = [0.754_877_666_246_693, 0.569_840_290_998_053];
+
+/// Directions over the hemisphere, in caps round an axis and of lobes, with their weights.
+fn weighed(
+    axis: [f64; 3],
+    caps: &[f64],
+    density: Density,
+    drawn: Option<&Drawn<'_>>,
+) -> impl Iterator<Item = ([f64; 3], f64)> {
     let mut directions: Vec<[f64; 3]> = Vec::new();
     for i in 0..density.hemisphere {
         let z = (i as f64 + 0.5) / density.hemisphere as f64;
@@ -65,12 +121,14 @@ fn weighed(axis: [f64; 3], caps: &[f64], density: Density) -> impl Iterator<Item
             directions.push(around(axis, w, GOLDEN_ANGLE * i as f64 + n as f64));
         }
     }
+    directions.extend(drawn.iter().flat_map(|drawn| drawn.directions()));
     let probability = move |d: &[f64; 3]| {
         let chord: f64 = (0..3).map(|k| (d[k] - axis[k]) * (d[k] - axis[k])).sum();
         let cap = |s: &f64| {
             density.cap as f64 * s / (-2.0 * PI * libm::expm1(-2.0 * s)) * libm::exp(-0.5 * s * chord)
         };
-        density.hemisphere as f64 / (2.0 * PI) + caps.iter().map(cap).sum::<f64>()
+        let lobes = drawn.map_or(0.0, |drawn| drawn.density(*d));
+        density.hemisphere as f64 / (2.0 * PI) + caps.iter().map(cap).sum::<f64>() + lobes
     };
     directions.into_iter().filter(|d| d[2] > 1e-4).map(move |d| (d, 1.0 / probability(&d)))
 }

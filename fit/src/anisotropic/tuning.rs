@@ -39,6 +39,18 @@ pub(crate) mod views {
     pub const FINE: f64 = 3e-3;
 }
 
+/// Rounds on tables that the lobes draw, and factors.
+pub(crate) mod rounds {
+    /// Rounds without factors. On GGX of (0.1, 0.35) none leave 5.5 % between the stored views, 2 5.1 and 4 4.8 %.
+    pub const PLAIN: usize = 3;
+    /// Factor on the weight of the albedo. Without it the albedo of that GGX is .9 % off in the median and 1.4 % at most, with it .5 and 1.0.
+    pub const MORE_ENERGY: f64 = 10.0;
+    /// Rounds in which factors and lobes take turns.
+    pub const FACTORED: usize = 2;
+    /// Largest share of the error that factors may leave.
+    pub const WORTH: f64 = 0.9;
+}
+
 /// The sum of squares.
 pub(crate) mod objective {
     /// Weight of errors away from the peak, over that in the measure. Without it the luminance off the peak of GGX of (0.1, 0.35) is 11.7 %
@@ -80,6 +92,9 @@ pub(crate) mod table {
 
     /// Directions by which the albedo of a view is found.
     pub const ALBEDO: Density = Density { hemisphere: 2000, cap: 500 };
+    /// Directions that lobes draw for a view, and for its albedo.
+    pub const DRAWN: usize = 130;
+    pub const ALBEDO_DRAWN: usize = 1000;
     /// Sharpness of the widest cap.
     pub const WIDEST: f64 = 8.0;
     /// Factor from one cap to the next.
@@ -92,6 +107,8 @@ pub(crate) mod table {
 pub(crate) mod encode {
     /// Places between two stored views, each way, at which the albedo is held below that.
     pub const LOOKS: usize = 8;
+    /// The same where factors have to be averaged for each.
+    pub const FACTORED_LOOKS: usize = 2;
 }
 
 /// Amplitudes scaled to the albedo.

@@ -13,9 +13,11 @@ use crate::family::tuning::factors::{
     LEFT_OUT, MORE_NODES, NEARLY_STILL, NODES, SMOOTH, SMOOTHER, SMOOTHER_GAIN, STILL,
 };
 use crate::numeric::vector;
+use crate::table::luminance;
 use problem::Problem;
 use rayon::prelude::*;
 pub(crate) use size::{Asked, Size};
+use srbf_core::FactorTable;
 
 /// Code of the largest factor of a table: factors are stored as the squares of codes.
 const MOST_CODE: f64 = 255.0;
@@ -40,6 +42,13 @@ const CORNERS: usize = 8;
 struct NodeShares {
     cell: [usize; 3],
     shares: [f64; CORNERS],
+}
+
+/// The change of an albedo by factors, relative to the luminance of that of the lobes alone.
+pub(crate) fn albedo_difference(lobes: [f64; 3], factored: [f64; 3]) -> [f64; 3] {
+    let luminance = luminance(lobes);
+    let over = |d: f64| if luminance > 0.0 { d / luminance } else { 0.0 };
+    [0, 1, 2].map(|c| over(factored[c] - lobes[c]))
 }
 
 /// The target of a table at one direction.
@@ -124,6 +133,12 @@ impl Factors {
     /// The nodes, the difference angle fastest, then the half angle.
     pub fn nodes(&self) -> Vec<[f32; 3]> {
         self.nodes.iter().map(|n| n.map(|v| v as f32)).collect()
+    }
+
+    /// As a material stores them. `nodes`: these, `albedo_differences`: those of its views.
+    pub fn table<'a>(&self, nodes: &'a [[f32; 3]], albedo_differences: &'a [[f32; 3]]) -> FactorTable<'a> {
+        let ([half, difference, azimuth], is_signed) = (self.size.nodes, self.size.is_signed);
+        FactorTable { half, difference, azimuth, is_signed, factors: nodes, albedo_differences }
     }
 
     /// The factors of two directions.

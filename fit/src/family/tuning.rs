@@ -68,6 +68,8 @@ pub(crate) mod lobes {
 pub(crate) mod encode {
     /// Largest albedo of a material, at any view.
     pub const MOST: f64 = 0.999;
+    /// Largest difference of albedos that is stored.
+    pub const MOST_DIFFERENCE: f64 = 16.0;
 }
 
 /// Factors on lobes.

@@ -48,7 +48,7 @@ fn factors(rows: &[Row<LinePlace>], count: usize) -> Vec<f64> {
         let mut matrix = Banded::zeros(count, 1.min(count - 1));
         let mut step = vec![0.0; count];
         for (&Row { place: (stored, blend), slope, .. }, error) in rows.iter().zip(&errors) {
-            let weight = libm::pow(libm::hypot(*error, UNCERTAIN) / largest, POWER - 2.0);
+            let weight = ((error * error + UNCERTAIN * UNCERTAIN) / (largest * largest)).powi(POWER / 2 - 1);
             if slope == 0.0 {
                 continue;
             }
@@ -69,7 +69,7 @@ fn factors(rows: &[Row<LinePlace>], count: usize) -> Vec<f64> {
             break;
         }
         matrix.solve(&mut step);
-        factors.iter_mut().zip(&step).for_each(|(f, s)| *f += s / (POWER - 1.0));
+        factors.iter_mut().zip(&step).for_each(|(f, s)| *f += s / f64::from(POWER - 1));
     }
     factors
 }

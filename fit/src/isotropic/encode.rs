@@ -1,15 +1,14 @@
 //! From fitted unknowns to `.srbf` bytes.
 
 use crate::FitError;
-use crate::family::factors::{Factors, Size};
+use crate::family::factors::{Factors, Size, albedo_difference};
 use crate::family::layout::stored_log2;
-use crate::family::tuning::encode::MOST;
+use crate::family::tuning::encode::{MOST, MOST_DIFFERENCE};
 use crate::family::tuning::factors::AVERAGED_TO_STORE;
 use crate::isotropic::line::Layout;
-use crate::isotropic::tuning::encode::{FACTORED_LOOKS, LOOKS, MOST_DIFFERENCE};
-use crate::table::luminance;
+use crate::isotropic::tuning::encode::{FACTORED_LOOKS, LOOKS};
 use rayon::prelude::*;
-use srbf_core::{FactorTable, Line, PlaneLobe, View, encoded_len};
+use srbf_core::{Line, PlaneLobe, View, encoded_len};
 use std::f64::consts::FRAC_PI_2;
 
 /// Views that take no more bytes than those of a layout with `lobes` lobes, none of which stands for two, and than `most`; at most
@@ -25,10 +24,7 @@ pub(crate) fn views_of_equal_size(layout: &Layout, lobes: usize, most: usize) ->
 
 /// Bytes of a layout with a table of factors, without provenance.
 pub(crate) fn len(layout: &Layout, factors: Option<Size>) -> usize {
-    // The head of the block, that of the table, the largest factor and the albedo differences; then the nodes.
-    let table = factors.map_or(0, |size| {
-        (8 + 4 + 4 + 12 * layout.views.angles.len() + 3 * size.count()).next_multiple_of(4)
-    });
+    let table = factors.map_or(0, |size| size.bytes(layout.views.angles.len()));
     encoded_len(layout.views.angles.len(), layout.lobes, layout.aside, "") + table
 }
 
@@ -97,14 +93,7 @@ pub(crate) fn encode(
     }
     let albedo_differences = factors.map(|_| albedo_differences(&albedos)).unwrap_or_default();
     let nodes = factors.map(Factors::nodes).unwrap_or_default();
-    let table = factors.map(|f| FactorTable {
-        half: f.size().nodes[0],
-        difference: f.size().nodes[1],
-        azimuth: f.size().nodes[2],
-        is_signed: f.size().is_signed,
-        factors: &nodes,
-        albedo_differences: &albedo_differences,
-    });
+    let table = factors.map(|f| f.table(&nodes, &albedo_differences));
     let line = Line { views: &views, squeezed: layout.squeezed, mirrored: layout.aside, factors: table };
     let mut bytes = vec![0; line.encoded_len(provenance)];
     line.encode(provenance, &mut bytes)?;
@@ -133,11 +122,8 @@ impl Albedo {
         (0..=if layout.views.angles.len() == 1 { 0 } else { looks }).map(&mut at).collect()
     }
 
-    /// The change by the factors, relative to the luminance of the lobes.
     fn difference(&self) -> [f64; 3] {
-        let luminance = luminance(self.lobes);
-        let over = |d: f64| if luminance > 0.0 { d / luminance } else { 0.0 };
-        [0, 1, 2].map(|c| over(self.factored[c] - self.lobes[c]))
+        albedo_difference(self.lobes, self.factored)
     }
 }
 

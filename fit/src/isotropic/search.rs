@@ -59,11 +59,12 @@ pub(crate) trait Source: Sync {
     fn table(&self, view_angles: &[f64], drawn: Option<DrawnBy<'_>>) -> Result<Table, FitError>;
 }
 
-/// Fits as many lobes as the settings say. `progress` is called with the share of the work that is done, 0 to 1; it falls where a
+/// Fits as many lobes as the settings say; `asked`: the settings as the caller gave them, which the provenance tells. `progress` is called with the share of the work that is done, 0 to 1; it falls where a
 /// goal is missed by what should have been the end.
 pub(crate) fn run(
     source: &dyn Source,
     settings: &Settings,
+    asked: &Settings,
     mut progress: impl FnMut(f64) + Send,
 ) -> Result<Fit, FitError> {
     let start = Clock::start();
@@ -85,7 +86,7 @@ pub(crate) fn run(
     );
     let Finalist { layout, table, candidate, factors, curve, .. } = best;
 
-    let text = format!("{}{}", settings.provenance, described(settings, &layout));
+    let text = format!("{}{}", settings.provenance, described(asked, settings.lobes, &layout));
     let bytes = encode::encode(&layout, &candidate.x, factors.as_ref(), &text)?;
     let views = reports(&bytes, &table)?;
     let evaluations = work.evaluations.into_inner();
@@ -97,19 +98,23 @@ pub(crate) fn run(
     })
 }
 
-/// The last line of the provenance.
-fn described(settings: &Settings, layout: &Layout) -> String {
-    format!(
-        "srbf-fit {}: {} lobes, {} squeezed, {} in mirrored pairs, smoothness {:.2e}, {} starts, {} steps, {} exchanges\n",
+/// The last line of the provenance: the result, and the options that it was asked for by.
+fn described(asked: &Settings, lobes: usize, layout: &Layout) -> String {
+    let usual = Settings::default();
+    let mut text = format!(
+        "srbf-fit {}: {lobes} lobes, {} squeezed, {} in mirrored pairs, smoothness {:e}, {} starts, {} steps, {} exchanges",
         env!("CARGO_PKG_VERSION"),
-        settings.lobes,
         layout.squeezed,
         2 * layout.aside,
-        settings.smoothness,
-        settings.starts,
-        settings.steps,
-        settings.exchanges
-    )
+        asked.smoothness,
+        asked.starts,
+        asked.steps,
+        asked.exchanges
+    );
+    if asked.bytes != usual.bytes {
+        text += &format!(", {} bytes at most", asked.bytes);
+    }
+    text + "\n"
 }
 
 /// The task of a fit.

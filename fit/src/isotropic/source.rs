@@ -65,6 +65,7 @@ fn fit_both(
     let probes = Probes::new(brdf, LAST_VIEW.to_radians(), settings.view_count(), effort.grazing)?;
     let tabulation = Tabulation::new(brdf, effort.density);
     let source = Evaluable { samples, probes, effort, tabulation };
+    let asked = settings;
     let settings = Settings {
         smoothness: DENSE * settings.smoothness,
         starts: settings.starts.div_ceil(effort.starts),
@@ -72,7 +73,7 @@ fn fit_both(
         steps: settings.steps.div_ceil(effort.steps),
         ..settings.clone()
     };
-    let mut fit = search::run(&source, &settings, progress)?;
+    let mut fit = search::run(&source, &settings, asked, progress)?;
     fit.report.appearance = Some(Appearance::new(brdf, &Material::from_bytes(fit.bytes.as_slice())?)?);
     fit.report.gaps = Some(Gaps::of_table(brdf));
     let mut middles = evaluation_views::halfway(&view_angles_of(&Material::from_bytes(&fit.bytes)?));

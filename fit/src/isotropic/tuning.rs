@@ -123,7 +123,7 @@ pub(crate) mod search {
 /// The last touch: albedos.
 pub(crate) mod balance {
     /// Power of the norm: with this one only the largest errors count.
-    pub const POWER: f64 = 16.0;
+    pub const POWER: i32 = 16;
     /// Error of an albedo that is within the uncertainty of quadrature.
     pub const UNCERTAIN: f64 = 1e-3;
     /// Weight of the squared factors over that of the squared errors.
@@ -209,6 +209,4 @@ pub(crate) mod encode {
     pub const LOOKS: usize = 64;
     /// The same with factors, whose means take long.
     pub const FACTORED_LOOKS: usize = 16;
-    /// Largest difference of albedos that is stored.
-    pub const MOST_DIFFERENCE: f64 = 16.0;
 }

@@ -76,6 +76,13 @@ impl<'m> TrackedView<'m> {
         sum
     }
 
+    /// The direction that the lobes draw by three numbers in [0, 1), in the frame of the view.
+    pub fn draw(&self, u: [f32; 3]) -> Option<[f64; 3]> {
+        let [x, y, z] = self.mixture.sample_direction(u)?.to_array().map(f64::from);
+        let (sin, cos) = self.turn;
+        Some([x * cos + y * sin, y * cos - x * sin, z])
+    }
+
     fn to_surface(&self, [x, y, z]: [f64; 3]) -> Vec3 {
         let (sin, cos) = self.turn;
         Vec3::from([x * cos - y * sin, x * sin + y * cos, z].map(|v| v as f32))

@@ -81,6 +81,8 @@ struct Grid {
     title: String,
     head: Vec<String>,
     rows: Vec<Vec<(String, bool)>>,
+    /// Ratios over several cases, by the names of row and column.
+    several: Vec<(String, String, Several)>,
 }
 
 impl Grid {
@@ -204,6 +206,38 @@ impl Text<'_> {
         Ok(lines.into_inner()?)
     }
 
+    /// The ratios over many cases, as docs/figures has them.
+    ///
+    /// # Errors
+    /// Memory.
+    pub fn summary_csv(&self) -> anyhow::Result<Vec<u8>> {
+        let mut lines = csv::Writer::from_writer(Vec::new());
+        let head = [
+            "question",
+            "after the same",
+            "of",
+            "case",
+            "ratio",
+            "least",
+            "largest",
+            "better",
+            "worse",
+            "cases",
+        ];
+        lines.write_record(head)?;
+        for (question, grids) in self.together() {
+            for (grid, after) in grids.iter().zip([After::Time, After::Samples]) {
+                for (of, case, Several { count, mean, range, better, worse }) in &grid.several {
+                    let words = [&question, after.word(), of, case].map(|word| word.replace('`', ""));
+                    let ratios = [*mean, range[0], range[1]].map(short);
+                    let counts = [better, worse, count].map(usize::to_string);
+                    lines.write_record(words.iter().chain(&ratios).chain(&counts))?;
+                }
+            }
+        }
+        Ok(lines.into_inner()?)
+    }
+
     /// Ratios over many cases.
     fn together(&self) -> Vec<(String, Vec<Grid>)> {
         vec![
@@ -250,16 +284,19 @@ impl Text<'_> {
         let grid = |after: After| {
             let mut head = vec!["over".to_owned()];
             head.extend(columns.iter().map(|(r, p)| format!("{} rendered, {}", r.text(), points_text(*p))));
-            let mut rows = Vec::new();
+            let (mut rows, mut all) = (Vec::new(), Vec::new());
             for way in WAYS {
                 let base = method_name(OURS, way);
                 for sampler in &self.args.samplers {
                     let name = method_name(sampler, way);
-                    let mut row = vec![(format!("`{name}` over `{base}`"), false)];
-                    row.extend(columns.iter().map(|&(rendered, points)| {
+                    let over = format!("`{name}` over `{base}`");
+                    let mut row = vec![(over.clone(), false)];
+                    row.extend(columns.iter().zip(&head[1..]).map(|(&(rendered, points), column)| {
                         let chosen = |case: &Measured| (case.rendered, case.points) == (rendered, points);
                         let found = self.several(after, [&name, &base], chosen);
-                        (found.map_or_else(|| "-".to_owned(), |s| s.text()), false)
+                        let text = found.as_ref().map_or_else(|| "-".to_owned(), Several::text);
+                        all.extend(found.map(|found| (over.clone(), column.clone(), found)));
+                        (text, false)
                     }));
                     rows.push(row);
                 }
@@ -271,6 +308,7 @@ impl Text<'_> {
                 ),
                 head,
                 rows,
+                several: all,
             }
         };
         [After::Time, After::Samples].map(grid).into()
@@ -292,22 +330,23 @@ impl Text<'_> {
             head.extend(
                 others.iter().flat_map(|o| points.map(|p| format!("`{o}` over `even`, {}", points_text(p)))),
             );
-            let rows = scenes.iter().map(|&scene| {
+            let (mut rows, mut all) = (Vec::new(), Vec::new());
+            for &scene in &scenes {
                 let mut row = vec![(scene.to_owned(), false)];
-                row.extend(others.iter().flat_map(|other| {
-                    points.map(|points| {
-                        let chosen =
-                            |case: &Measured| case.comparison.scene == scene && case.points == points;
-                        let found = self.several(after, [other, "even"], chosen);
-                        (found.map_or_else(|| "-".to_owned(), |s| s.text()), false)
-                    })
-                }));
-                row
-            });
+                let cases = others.iter().flat_map(|other| points.map(|points| (other, points)));
+                for ((other, points), column) in cases.zip(&head[1..]) {
+                    let chosen = |case: &Measured| case.comparison.scene == scene && case.points == points;
+                    let found = self.several(after, [other, "even"], chosen);
+                    row.push((found.as_ref().map_or_else(|| "-".to_owned(), Several::text), false));
+                    all.extend(found.map(|found| (scene.to_owned(), column.clone(), found)));
+                }
+                rows.push(row);
+            }
             Grid {
                 title: format!("Errors {}, lobes and tables together.", after.text()),
                 head,
-                rows: rows.collect(),
+                rows,
+                several: all,
             }
         };
         [After::Time, After::Samples].map(grid).into()
@@ -340,6 +379,7 @@ impl Text<'_> {
                 title: format!("Over `even`, {}.", after.text()),
                 head: head.clone(),
                 rows: rows.collect(),
+                several: Vec::new(),
             }
         };
         [After::Time, After::Samples].map(grid).into()
@@ -380,6 +420,11 @@ mod tests {
         let page = text.markdown();
         let lines = String::from_utf8(text.csv().unwrap()).unwrap();
         let lines: Vec<&str> = lines.lines().collect();
+        let summary = String::from_utf8(text.summary_csv().unwrap()).unwrap();
+        let samplers = "\n\"Another sampler, the same way with the light\"";
+        let line =
+            format!("{samplers},time,ggx+mis over mis,\"lobes rendered, Sobol\",4.00,4.00,4.00,0,1,1\n");
+        assert!(summary.contains(&line), "{summary}");
         assert!(lines[0].starts_with("material,scene,light,rendered,points,after,lobes,ggx,"), "{lines:?}");
         assert_eq!(lines[1], "paint,sphere,forest,lobes,Sobol,time,,,,,4.00,16.0,,,0.25,,,1.00,product");
         assert!(

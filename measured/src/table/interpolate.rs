@@ -59,14 +59,18 @@ pub struct Owners {
     order: Vec<usize>,
 }
 
-/// Directions are one if their x, and the square of their distance, are closer than this. They are looked for in strips of y that are a
-/// little wider than that distance.
-const ONE_X: f64 = 1e-6;
-const ONE_SQUARED: f64 = 1e-10;
-const STRIP: f64 = 1.1e-5;
+/// Directions are one if their x are closer than a tenth of this, and they themselves closer than this, in radians.
+const ONE: f64 = 1e-5;
+/// The same in a view of more than `MANY` samples. The triangulation takes a time that grows with the square of the samples on one line:
+/// in the plane of incidence no more than 31 000 stay apart.
+const ONE_OF_MANY: f64 = 1e-4;
+const MANY: usize = 20_000;
+/// They are looked for in strips of y that are a little wider than that, by this factor.
+const STRIP: f64 = 1.1;
 
 /// Finds the samples that have one direction.
 pub fn owners(samples: &[Sample]) -> Owners {
+    let one = if samples.len() > MANY { ONE_OF_MANY } else { ONE };
     let mut representative: Vec<usize> = Vec::with_capacity(samples.len());
     // Places among the representatives, by strip: all samples of a plane share their x.
     let mut strips: HashMap<i64, Vec<usize>> = HashMap::new();
@@ -78,15 +82,15 @@ pub fn owners(samples: &[Sample]) -> Owners {
     let mut owner = vec![0; samples.len()];
     for &n in &order {
         let d = samples[n].direction;
-        let strip = (d[1] / STRIP).floor() as i64;
+        let strip = (d[1] / (STRIP * one)).floor() as i64;
         let found = |strip: i64| {
             let mut near = strips
                 .get(&strip)?
                 .iter()
                 .rev()
                 .map(|&place| (place, &samples[representative[place]].direction))
-                .take_while(|(_, r)| d[0] - r[0] < ONE_X);
-            near.find(|(_, r)| distance_squared(r, &d) < ONE_SQUARED).map(|(place, _)| place)
+                .take_while(|(_, r)| d[0] - r[0] < 0.1 * one);
+            near.find(|(_, r)| distance_squared(r, &d) < one * one).map(|(place, _)| place)
         };
         // The last one, as if all were gone through from the end.
         let twin = [strip - 1, strip, strip + 1].into_iter().filter_map(found).max();

@@ -4,7 +4,7 @@ use crate::trace::film;
 use crate::trace::scene::SceneName;
 use crate::world::environment::file::Projection;
 use crate::world::environment::{self, Environment};
-use anyhow::{Context, bail};
+use anyhow::{Context, bail, ensure};
 use glam::Vec3;
 use std::path::{Path, PathBuf};
 
@@ -75,6 +75,12 @@ pub fn projected_environment(text: &str, projection: Projection) -> anyhow::Resu
         bail!("environment {text}: expected sky, haze, sun:DEGREES, constant:VALUE, or a .hdr or .exr file");
     }
     environment::file::read(path, projection)
+}
+
+/// Refuses stops beyond those that f32 has.
+pub fn check_stops(stops: f32) -> anyhow::Result<()> {
+    ensure!(stops.abs() <= 64.0, "--exposure {stops}: within -64 to 64 is expected");
+    Ok(())
 }
 
 /// The folder of the measurements.

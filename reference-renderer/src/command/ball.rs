@@ -33,7 +33,8 @@ pub struct Args {
     /// Samples a pixel
     #[arg(long, default_value_t = ball_sheet::SAMPLES, value_parser = clap::value_parser!(u32).range(1..=1 << 20))]
     spp: u32,
-    /// Stops to brighten the balls by, from an exposure that fits the picture
+    /// Stops to brighten the balls by, from the exposure of the light, under which a matte surface that reflects half of it, and faces
+    /// it, is shown as white: so pictures of several materials can be compared
     #[arg(long, default_value_t = 0.0, allow_negative_numbers = true, value_name = "STOPS")]
     exposure: f32,
     /// Degrees by which the sample is turned about its normal, counterclockwise: with 0 the x axis of an anisotropic surface goes round the
@@ -51,7 +52,7 @@ pub struct Args {
 /// Runs the command.
 pub fn run(args: Args) -> anyhow::Result<()> {
     check_output(&args.output)?;
-    ensure!(args.exposure.abs() <= 64.0, "--exposure {}: within -64 to 64 is expected", args.exposure);
+    argument::check_stops(args.exposure)?;
     ensure!(
         args.turn.abs() <= MOST_TURNED,
         "--turn {}: within -{MOST_TURNED} to {MOST_TURNED} degrees is expected",
@@ -101,6 +102,7 @@ pub fn write(
         size = [sheet.size[0], size[1] + sheet.size[1]];
         rgb.extend(sheet.rgb);
         let of = if lights.len() > 1 { format!(" under {}", light.name) } else { String::new() };
+        numbers += &format!(", exposure {:.3}", light.exposure());
         numbers += &sheet.difference.map_or_else(String::new, |found| {
             format!(
                 ", difference of the balls{of}: mean {:.2} % of the mean radiance, root mean square {:.2} %",

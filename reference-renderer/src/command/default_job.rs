@@ -96,7 +96,7 @@ fn render(out: &Path, page: &mut Page) -> anyhow::Result<()> {
         }
         let picture = film.to_picture();
         picture_file::write_exr(&path, size, &picture)?;
-        let bytes = picture_file::tone_mapped(&picture, picture_file::automatic_exposure(&picture));
+        let bytes = picture_file::tone_mapped(&picture, sky.exposure());
         picture_file::write_png(&path.with_extension("png"), size, &bytes)?;
         let title = format!("{} under the sky, {samples} samples a pixel", object.name);
         println!("{}: {title}, PNG beside it", shown(&path));

@@ -3,7 +3,7 @@
 use crate::out::output;
 use crate::truth::stored::surface;
 use anyhow::{Context, ensure};
-use srbf_evaluator::{Language, sheet_text, text};
+use srbf_evaluator::{Language, blend_text, is_name, renamed, sheet_text, text};
 use std::io::Write;
 use std::path::PathBuf;
 
@@ -13,7 +13,8 @@ const MAX_FILE: u64 = 1 << 26;
 /// Writes a material or a sheet for a shader or a program that does not link the library: one text that evaluates and draws from it, with
 /// its numbers.
 ///
-/// The text is the same for all languages but for their words. The words of FILE stand in it as constants, `srbf_data`; with --buffer
+/// The text begins with the calls that a program makes, and is the same for all languages but for their words. Two of them stand in one
+/// program by --name. The words of FILE stand in it as constants, `srbf_data`; with --buffer
 /// they do not, and the text reads any `.srbf` file in place, from memory or through a function `srbf_word` of yours.
 /// Of a sheet it has all quarters, and functions that choose the side; FILE.srbf:front-transmission is a quarter alone.
 /// docs/use-from-shaders.md says how, and how far values are from the library's: 3e-4.
@@ -30,6 +31,12 @@ pub struct Args {
     /// The text alone has the functions of a sheet too
     #[arg(long, requires = "buffer")]
     sheet: bool,
+    /// The text alone has the functions of a sheet and of a blend too
+    #[arg(long, requires = "buffer", conflicts_with = "sheet")]
+    blend: bool,
+    /// What all names begin with, so that two texts stand in one program: letters, digits and single underscores
+    #[arg(long, default_value = "srbf", conflicts_with = "json", value_parser = name)]
+    name: String,
     /// The file to write [default: standard output]
     #[arg(long, short, value_name = "FILE")]
     output: Option<PathBuf>,
@@ -82,12 +89,23 @@ impl Chosen {
     }
 }
 
+/// A name of --name.
+fn name(text: &str) -> Result<String, String> {
+    let hint = "a letter, then letters, digits and single underscores are expected, at most 32 in all, as in `paint`; gl is GLSL's own";
+    if is_name(text) { Ok(text.to_owned()) } else { Err(hint.to_owned()) }
+}
+
 /// Runs the command.
 pub fn run(args: &Args) -> anyhow::Result<()> {
     let written = match (&args.file, args.language.language()) {
         (None, language) => {
             let language = language.context("--buffer: JSON has no text")?;
-            if args.sheet { sheet_text(language) } else { text(language) }
+            let text = match (args.sheet, args.blend) {
+                (_, true) => blend_text(language),
+                (true, _) => sheet_text(language),
+                _ => text(language),
+            };
+            renamed(&text, &args.name)
         }
         (Some(file), language) => {
             let surface = surface(file, MAX_FILE)?;
@@ -96,7 +114,7 @@ pub fn run(args: &Args) -> anyhow::Result<()> {
                 "{}: of format version 1, which the text does not read",
                 file.display()
             );
-            language.map_or_else(|| surface.json(), |language| surface.export(language))
+            language.map_or_else(|| surface.json(), |language| surface.export_as(language, &args.name))
         }
     };
     match &args.output {

@@ -12,7 +12,7 @@ use super::fit_page;
 use crate::out::output;
 use crate::out::print::{is_quiet, shown};
 use crate::out::progress::Progress;
-use anyhow::{bail, ensure};
+use anyhow::{anyhow, bail, ensure};
 use method::MethodName;
 use names::Job;
 pub use settings::SettingArgs;
@@ -41,7 +41,7 @@ pub struct Args {
     /// model:phong:diffuse=0.3,specular=0.3,exponent=50, model:ward:diffuse=0.2,specular=0.3,alpha_x=0.1,alpha_y=0.4,
     /// model:ggx:alpha=0.2,ior=1.5 (or f0=0.9; alpha_x and alpha_y; diffuse), and the fits of MERL materials
     /// model:sgd:name=gold-metallic-paint and model:abc:name=..., from file=PATH or the folder that SRBF_DATA_DIR names.
-    #[arg(required = true, value_name = "FILE|MODEL", verbatim_doc_comment)]
+    #[arg(required = true, value_name = "FILE|MODEL")]
     files: Vec<PathBuf>,
     /// The file to write, or the folder: a name that ends in `/`, and any name if there are several inputs
     /// [default: out/NAME.srbf, NAME being that of the input, of a model with its parameters].
@@ -88,7 +88,7 @@ pub fn run(args: Args) -> anyhow::Result<()> {
                 eprintln!("srbf: {}", naming(&place.file, &error));
                 failed += 1;
             }
-            done => done?,
+            done => done.map_err(|error| anyhow!(naming(&place.file, &error)))?,
         }
     }
     ensure!(failed == 0, "{failed} of {} files were not fitted", places.len());
@@ -128,19 +128,17 @@ fn fit_one(args: &Args, place: &Job, picture: Option<&Path>) -> anyhow::Result<(
     output::write(&names::report(&place.output), json.as_bytes())?;
 
     let words = args.words.say_fit(place, &fit.report, &material, &json)?;
-    let bytes = fit.bytes.clone();
-    if let Some((path, light)) = picture.zip(light) {
-        args.picture.write(path, &place.output, &light, (bytes, source), &words)?;
-    }
     let page = picture.and_then(|picture| args.picture.page(picture));
-    let next = words::next(&place.output);
-    if let Some((path, picture)) = page.as_deref().zip(picture) {
-        let name = place.output.file_stem().unwrap_or_default().to_string_lossy();
-        let (report, next) = (Some(&fit.report), Some(next.as_str()));
-        fit_page::write(path, &fit_page::Subject { name: &name, words: &words, report, picture, next })?;
+    if let Some(path) = &page {
+        let name = &place.output.file_stem().unwrap_or_default().to_string_lossy();
+        let opened = fit_page::opened(name, &fit.bytes, Some(&fit.report), Some(&source.content))?;
+        fit_page::write(path, opened, &words)?;
+    }
+    if let Some((path, light)) = picture.zip(light) {
+        args.picture.write(path, &place.output, &light, (fit.bytes.clone(), source), &words)?;
     }
     files.commit()?;
-    args.words.say_written(place, [picture, page.as_deref()], &next);
+    args.words.say_written(place, [picture, page.as_deref()], &words::next(&place.output));
     Ok(())
 }
 
@@ -154,11 +152,8 @@ fn naming(file: &Path, error: &anyhow::Error) -> String {
 fn check_options(file: &Path, content: &Content, settings: &SettingArgs) -> anyhow::Result<()> {
     match content {
         Content::Evaluable(brdf) if brdf.symmetry() != Symmetry::Isotropic => {
-            let given = [
-                ("--exchanges", settings.exchanges.is_some()),
-                ("--mirrored", settings.mirrored.is_some()),
-                ("--factors", settings.factors.is_some()),
-            ];
+            let given =
+                [("--exchanges", settings.exchanges.is_some()), ("--mirrored", settings.mirrored.is_some())];
             if let Some((option, _)) = given.iter().find(|option| option.1) {
                 bail!("{}: {option} is for isotropic surfaces; this one is anisotropic", shown(file));
             }

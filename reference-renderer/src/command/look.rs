@@ -1,6 +1,7 @@
 //! `srbf look`.
 
 use super::convention_args::ConventionArgs;
+use crate::out::print::data;
 use anyhow::bail;
 use srbf_fit::complete::complete;
 use srbf_fit::export;
@@ -37,7 +38,7 @@ pub struct Args {
 pub fn run(args: &Args) -> anyhow::Result<()> {
     let mut failed = 0;
     if args.table {
-        println!("{:<44} {:>7} {:>6} {:>8}  off", "file", "samples", "angles", "left out");
+        println!("{:<34} {:>7} {:>6} {:>8}  off", "file", "samples", "angles", "left out");
     }
     for file in &args.files {
         if let Err(error) = look_at(args, file) {
@@ -93,7 +94,7 @@ fn print_line(source: Source) -> anyhow::Result<()> {
     let off: Vec<&str> = look.findings.iter().filter(is_of_file).map(|f| f.text.as_str()).collect();
     let left_out: usize = look.left_out.iter().map(|left| left.count).sum();
     let off = if off.is_empty() { "-".to_owned() } else { off.join(" | ") };
-    println!("{name:<44} {:>7} {:>6} {left_out:>8}  {off}", look.samples, look.views.len());
+    println!("{name:<34} {:>7} {:>6} {left_out:>8}  {off}", look.samples, look.views.len());
     Ok(())
 }
 
@@ -104,7 +105,7 @@ fn look_at(args: &Args, file: &Path) -> anyhow::Result<()> {
     }
     let Some(intake) = &source.intake else {
         if args.json {
-            println!("{}", serde_json::json!({"name": source.name, "samples": null}));
+            data(&format!("{}\n", serde_json::json!({"name": source.name, "samples": null})));
         } else {
             println!(
                 "{}: a value for every pair of directions; nothing has to be taken for granted",
@@ -120,7 +121,7 @@ fn look_at(args: &Args, file: &Path) -> anyhow::Result<()> {
     };
     let look = Look::new(intake, completion.as_ref());
     if args.json {
-        println!("{:#}", look.to_json());
+        data(&format!("{:#}\n", look.to_json()));
     } else {
         println!("{}", file.display());
         print(&look, true, &[]);

@@ -6,7 +6,7 @@ use crate::out::print::shown;
 use crate::out::progress::Progress;
 use crate::truth::sheets::sheet_in;
 use crate::truth::stored::{QUARTERS, StoredMaterial, is_fit};
-use anyhow::{bail, ensure};
+use anyhow::{Context, bail, ensure};
 use srbf_core::{Material, PackOptions, Quarter, Sheet};
 use srbf_evaluator::plain_bytes;
 use srbf_fit::pack::{Packed, PackedForm, Subject, Way, forms};
@@ -191,7 +191,8 @@ fn whole(args: &Args) -> anyhow::Result<(Vec<u8>, Content, String)> {
     let provenance = format!("{}, SHA-256 {}\n", source.name, source.sha256);
     let progress = Progress::of_shares(&source.name);
     let settings = Settings { provenance, ..Settings::default() };
-    let fit = fit_source(&source, &settings, |share| progress.set_share(share))?;
+    let fit = fit_source(&source, &settings, |share| progress.set_share(share))
+        .with_context(|| shown(&args.input))?;
     let stem = args.input.file_stem().unwrap_or_default().to_string_lossy();
     Ok((fit.bytes, source.content, stem.into_owned()))
 }

@@ -2,6 +2,7 @@
 
 use crate::command::Cli;
 use crate::out::output;
+use crate::out::print::data;
 use clap::CommandFactory;
 use clap_complete::Shell;
 use std::path::PathBuf;
@@ -30,7 +31,7 @@ pub struct Man {
 pub fn completions(args: Completions) -> anyhow::Result<()> {
     let mut text = Vec::new();
     clap_complete::generate(args.shell, &mut Cli::command(), "srbf", &mut text);
-    print!("{}", String::from_utf8(text)?);
+    data(&String::from_utf8(text)?);
     Ok(())
 }
 

@@ -20,7 +20,7 @@ use std::time::Instant;
 /// The light of balls where none is named.
 pub const LIGHT: &str = "sky";
 
-/// Samples a pixel of the balls: they take 3 s on two cores.
+/// Samples a pixel of the balls: they take 4 s on two cores.
 pub const SAMPLES: u32 = 48;
 
 /// Outgoing directions that the verdict is of, degrees from the normal.
@@ -28,9 +28,9 @@ const JUDGED: [f64; 5] = [0.0, 5.0, 30.0, 60.0, 75.0];
 
 /// Draws a fitted material, and the table that it was fitted to if one is named.
 ///
-/// One PNG: `f cos` in the plane of incidence for six outgoing directions or for those of the samples, discs of the hemisphere for three, a
-/// ball under the light, and the verdict. Of a table with a value for every pair of directions there is a ball too, and the
-/// difference of both.
+/// One PNG: the sentence of the verdict, a ball under the light, `f cos` in the plane of incidence for some outgoing directions, beside the samples
+/// in that plane, and discs of the hemisphere for three. Of a table with a value for every pair of directions there is a ball
+/// too, and the difference of both.
 #[derive(Debug, clap::Args)]
 pub struct Args {
     /// The fitted material: a .srbf file or the name of a preset
@@ -42,7 +42,10 @@ pub struct Args {
     /// The light of the balls: sky, haze, constant:VALUE, or a latitude-longitude map in a .hdr or .exr file
     #[arg(long, default_value = LIGHT)]
     env: String,
-    /// Also writes a page of HTML beside the picture, with the verdict and the tables; it needs no other file and no network
+    /// Stops to brighten the balls by, from the exposure of the light, as in `srbf ball`
+    #[arg(long, default_value_t = 0.0, allow_negative_numbers = true, value_name = "STOPS")]
+    exposure: f32,
+    /// Also writes a page of HTML beside the picture, the one that `srbf view` shows; it needs no other file and no network
     #[arg(long)]
     html: bool,
     /// The picture to write, .png [default: out/NAME.png]
@@ -87,11 +90,20 @@ pub fn run(args: Args) -> anyhow::Result<()> {
     let stored = StoredMaterial::load(&args.material)?;
     let output = args.output.unwrap_or_else(|| PathBuf::from(format!("out/{}.png", stored.name)));
     ball::check_output(&output)?;
+    argument::check_stops(args.exposure)?;
     let page = args.html.then(|| output.with_extension("html"));
     page.as_deref().map(output::check_place).transpose()?;
     let environment = argument::environment(&args.env)?;
-    let light = Light { name: &args.env, environment: &environment, samples: SAMPLES, stops: 0.0, turn: 0.0 };
+    let stops = args.exposure;
+    let light = Light { name: &args.env, environment: &environment, samples: SAMPLES, stops, turn: 0.0 };
+    let exposure = light.exposure();
     let source = args.against.as_deref().map(srbf_fit::read::read).transpose()?;
+    let content = source.as_ref().map(|source| &source.content);
+    let open = |path: PathBuf| -> anyhow::Result<_> {
+        let opened = fit_page::opened(&stored.name, stored.material.bytes(), None, content)?;
+        Ok((path, opened))
+    };
+    let page = page.map(open).transpose()?;
     let beside = source.map(Beside::new).transpose()?;
     let report = beside.as_ref().map(|beside| judge(&stored, beside)).transpose()?.flatten();
     let verdict = match &report {
@@ -101,19 +113,18 @@ pub fn run(args: Args) -> anyhow::Result<()> {
         }
         None => Vec::new(),
     };
-    let name = stored.name.clone();
     verdict.iter().for_each(|line| println!("{line}"));
     let files = output::together();
     let seconds = write(&output, stored, beside, light, &verdict)?;
-    if let Some(path) = &page {
-        let (words, report) = (&verdict, report.as_ref());
-        fit_page::write(
-            path,
-            &fit_page::Subject { name: &name, words, report, picture: &output, next: None },
-        )?;
-    }
+    let page = match page {
+        Some((path, opened)) => {
+            fit_page::write(&path, opened, &verdict)?;
+            Some(path)
+        }
+        None => None,
+    };
     files.commit()?;
-    println!("{} in {seconds:.2} s", shown(&output));
+    println!("{} in {seconds:.2} s, exposure of the light {exposure:.3}", shown(&output));
     if let Some(path) = &page {
         println!("{}", shown(path));
     }
@@ -157,7 +168,7 @@ pub fn write(
         Some(Beside::Table(table)) => {
             let beside = LoadedMaterial::Table(table);
             let against =
-                beside.table().map(|table| Against { brdf: table.brdf(), name: "data", samples: None });
+                beside.table().map(|table| Against { brdf: table.brdf(), name: "table", samples: None });
             fit_sheet::write(path, &Subject { against, ball_beside: Some(&beside), ..alone })?;
         }
     }

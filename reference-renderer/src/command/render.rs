@@ -4,9 +4,9 @@ use super::argument;
 use crate::numbers::points::PointsName;
 use crate::out::output;
 use crate::out::picture_file;
-use crate::out::print::shown;
+use crate::out::print::{ending, shown};
 use crate::out::progress::Progress;
-use crate::shade::shader::LoadedMaterial;
+use crate::shade::shader::{LoadedMaterial, Shader};
 use crate::shade::{Light, Sampler, SamplerName, Strategy};
 use crate::study::comparison::SPLIT;
 use crate::study::furnace::{self, Furnace};
@@ -23,6 +23,7 @@ use crate::truth::stored;
 use crate::world::environment::file::Projection;
 use crate::world::illuminant::Illuminant;
 use crate::world::mesh;
+use crate::world::skin::{self, Skin};
 use anyhow::{Context, bail, ensure};
 use cpu_time::ThreadTime;
 use glam::Vec3;
@@ -33,7 +34,7 @@ use std::time::Instant;
 
 /// Renders a scene with a material to EXR and PNG.
 ///
-/// Writes linear radiance to OUT, and a tone-mapped PNG beside it. The furnace, and the sphere under `--env constant:VALUE`, print the
+/// Writes linear radiance to OUT.exr, and a tone-mapped PNG beside it; to OUT.png that alone. The furnace, and the sphere under `--env constant:VALUE`, print the
 /// mean that was rendered beside the closed form, or the quadrature of a table. The last lines name the rendered materials and their samplers.
 #[derive(Debug, clap::Args)]
 pub struct Args {
@@ -46,6 +47,25 @@ pub struct Args {
     /// The axis that is up in the mesh file
     #[arg(long, value_enum, default_value = "y", requires = "mesh")]
     mesh_up: Up,
+    /// Materials of the mesh, separated by commas, up to 256: .srbf files, presets, or tables as --material. The first takes the place of
+    /// --material. A mesh without coordinates on maps is wrapped once round by them
+    #[arg(
+        long,
+        value_delimiter = ',',
+        requires = "mesh",
+        conflicts_with = "material",
+        value_name = "FILE|PRESET,..."
+    )]
+    palette: Vec<String>,
+    /// Map of the palette's materials, numbers from 0, a .png of 8 bits: red a first, green a second; of a grey one each place has one
+    #[arg(long, requires = "palette", value_name = "FILE.png")]
+    index_map: Option<PathBuf>,
+    /// Map of the share of the second material, .png or .exr; without --index-map those are the first two of the palette
+    #[arg(long, requires = "palette", value_name = "FILE")]
+    weight_map: Option<PathBuf>,
+    /// Map of a colour that the light reflected by the mesh is multiplied by: .png in sRGB, or .exr, which is linear
+    #[arg(long, requires = "mesh", value_name = "FILE")]
+    tint_map: Option<PathBuf>,
     /// The material of the object: a .srbf file or the name of a preset, of which the lobes are the material; or a table or
     /// model that `fit` reads (.bsdf, .binary, .brdf, .astm, .csv, model:..., FILE.csv:NAME of published Lafortune fits), which is the
     /// truth, whatever samples it [default: garnet_red; of lamp-shade and window ground_glass]
@@ -127,11 +147,13 @@ pub struct Args {
     /// Also prints parts that were not loaded or built, and why
     #[arg(long)]
     explain: bool,
-    /// Stops to brighten the PNG by, from an exposure that fits the picture; the EXR stays as it is
+    /// Stops to brighten the PNG by; the EXR stays as it is. They count from the exposure of the light, under which a matte surface that
+    /// reflects half of it, and faces it, is shown as white: so pictures of several materials can be compared. Those of lamp-shade and window have
+    /// one that fits the picture
     #[arg(long, default_value_t = 0.0, allow_negative_numbers = true, value_name = "STOPS")]
     exposure: f32,
-    /// The picture to write, .exr
-    #[arg(short, long, default_value = "out/render.exr", value_name = "OUT.exr")]
+    /// The picture to write: .exr, with a .png beside it, or .png alone
+    #[arg(short, long, default_value = "out/render.exr", value_name = "OUT.exr|OUT.png")]
     output: PathBuf,
 }
 
@@ -153,9 +175,9 @@ pub fn run(args: Args) -> anyhow::Result<()> {
 
 /// Refuses options that do not fit together, before the work.
 fn check(args: &Args) -> anyhow::Result<()> {
-    output::check_extension(&args.output, "exr")?;
-    output::check_places(&[&args.output, &args.output.with_extension("png")])?;
-    ensure!(args.exposure.abs() <= 64.0, "--exposure {}: within -64 to 64 is expected", args.exposure);
+    let files = written(args)?;
+    output::check_places(&files.iter().map(PathBuf::as_path).collect::<Vec<_>>())?;
+    argument::check_stops(args.exposure)?;
     ensure!(args.env_turn.is_finite(), "--env-turn {}: a number of degrees is expected", args.env_turn);
     let has = |role| args.scene.roles().contains(&role);
     ensure!(
@@ -165,6 +187,10 @@ fn check(args: &Args) -> anyhow::Result<()> {
     ensure!(
         args.ball_material.is_none() || has(Role::Ball),
         "--ball-material: the scene has no ball, --scene room, lamp-shade or window is expected"
+    );
+    ensure!(
+        args.palette.len() < 2 || args.index_map.is_some() || args.weight_map.is_some(),
+        "--palette: --index-map or --weight-map is expected, which chooses among its materials"
     );
     match (args.scene, &args.mesh) {
         (SceneName::Statue, None) => bail!("--scene statue: --mesh FILE is expected, which is the statue"),
@@ -185,6 +211,18 @@ fn check(args: &Args) -> anyhow::Result<()> {
         args.spp
     );
     standpoint(args).map(|_| ())
+}
+
+/// The files to write: the one that is named, and a PNG beside an EXR.
+fn written(args: &Args) -> anyhow::Result<Vec<PathBuf>> {
+    let is_png = ending(&args.output) == "png";
+    ensure!(
+        is_png || ending(&args.output) == "exr",
+        "output {}: a name that ends in .exr or .png is expected",
+        shown(&args.output)
+    );
+    let png = (!is_png).then(|| args.output.with_extension("png"));
+    Ok([args.output.clone()].into_iter().chain(png).collect())
 }
 
 /// Where the camera stands.
@@ -211,8 +249,9 @@ fn render(args: &Args) -> anyhow::Result<()> {
         light => light,
     };
     let strategy = Strategy { light: args.light.unwrap_or(own_light), ..args.sampler };
+    let first = args.palette.first().map(String::as_str);
     let names = cast::Names {
-        object: args.material.as_deref().unwrap_or(own_material(args.scene)),
+        object: first.or(args.material.as_deref()).unwrap_or(own_material(args.scene)),
         ground: args.ground_material.as_deref(),
         ball: args.ball_material.as_deref(),
         lobes: args.lobes.as_deref(),
@@ -226,9 +265,33 @@ fn render(args: &Args) -> anyhow::Result<()> {
         }
         mesh
     });
+    let files = skin::Files {
+        index: args.index_map.as_deref(),
+        weight: args.weight_map.as_deref(),
+        tint: args.tint_map.as_deref(),
+    };
+    let has_maps = files.index.or(files.weight).or(files.tint).is_some();
+    let skin = has_maps.then(|| Skin::read(files, args.palette.len().max(1))).transpose()?;
+    let mesh = mesh.map(|mut mesh| {
+        if has_maps {
+            mesh.wrap();
+        }
+        mesh
+    });
+    let others = args.palette.iter().skip(1).map(|name| LoadedMaterial::load(name));
+    let others: Vec<LoadedMaterial> = others.collect::<anyhow::Result<_>>()?;
     let samplers = cast.fit(strategy.sampler)?;
+    let fit = |material| Sampler::fit(strategy.sampler, &LoadedMaterial::truth(material), None);
+    let of_others: Vec<Sampler<'_>> = others.iter().map(fit).collect::<anyhow::Result<_>>()?;
     let shader = |role: Role| cast.shader(role, cast.object().truth(), &samplers);
-    let scene = Scene::build(args.scene.shapes(mesh), shader, &environment);
+    let mut scene = Scene::build(args.scene.shapes(mesh), shader, &environment);
+    if let Some(skin) = &skin {
+        let rest = others
+            .iter()
+            .zip(&of_others)
+            .map(|(material, sampler)| Shader { truth: material.truth(), sampler });
+        scene = scene.with_skin(skin, std::iter::once(shader(Role::Object)).chain(rest).collect());
+    }
     let camera = standpoint(args)?.camera(args.size);
     let split = split(args);
     // The closed form is of colours, as they are in daylight.
@@ -269,19 +332,28 @@ fn render(args: &Args) -> anyhow::Result<()> {
     }
 
     let picture = film.to_picture();
-    let files = output::together();
-    picture_file::write_exr(&args.output, args.size, &picture)?;
-    let png = args.output.with_extension("png");
-    let exposure = picture_file::automatic_exposure(&picture) * args.exposure.exp2();
-    picture_file::write_tone_mapped_png(&png, args.size, &picture, exposure)?;
-    files.commit()?;
+    let (own, of) = if args.scene.has_sheet() {
+        (picture_file::automatic_exposure(&picture), "by the picture")
+    } else {
+        (environment.exposure(), "that of the light")
+    };
+    let exposure = own * args.exposure.exp2();
+    let (paths, together) = (written(args)?, output::together());
+    for path in &paths {
+        match ending(path) == "png" {
+            true => picture_file::write_tone_mapped_png(path, args.size, &picture, exposure)?,
+            false => picture_file::write_exr(path, args.size, &picture)?,
+        }
+    }
+    together.commit()?;
     println!(
-        "{} and {}: {} samples a pixel in {seconds:.2} s ({})",
-        shown(&args.output),
-        shown(&png),
+        "{}: {} samples a pixel in {seconds:.2} s ({})",
+        paths.iter().map(shown).collect::<Vec<_>>().join(" and "),
         args.spp,
         srbf_core::Processor::this()
     );
+    let stops = if args.exposure == 0.0 { String::new() } else { format!(", {:+} stops", args.exposure) };
+    println!("exposure of the PNG: {exposure:.3}, {of}{stops}");
     match environment.constant_radiance().filter(|_| is_furnace) {
         Some(_) if settings.points == PointsName::Sobol => {
             println!("white furnace: Sobol points have no standard error, --points random is expected");
@@ -296,6 +368,9 @@ fn render(args: &Args) -> anyhow::Result<()> {
         None => {}
     }
     print_cast(&cast, &samplers, strategy);
+    for (n, material) in others.iter().enumerate() {
+        println!("palette {}: rendered is {}", n + 1, srbf_core::printable(&rendered(material)));
+    }
     if let Some(illuminant) = &illuminant {
         let lacking = cast.roles.iter().filter(|(_, material)| material.truth().spectral_map().is_none());
         let lacking: Vec<&str> = lacking.map(|(_, material)| material.name()).collect();

@@ -11,7 +11,7 @@ use crate::truth::stored::{MATTE, PRESETS, StoredMaterial, is_fit};
 use crate::world::teapot;
 use anyhow::{Context, anyhow};
 use server::Server;
-use srbf_web::{Opened, Preset, Teapot, fitted, open};
+use srbf_web::{Opened, Preset, Teapot, export, fitted, open};
 use std::path::{Path, PathBuf};
 
 /// Quadrilaterals along each side of a patch of the teapot.
@@ -20,10 +20,18 @@ const TEAPOT_STEPS: u32 = 10;
 /// Largest fitter that is read.
 const MAX_FITTER: u64 = 1 << 26;
 
+/// Materials that one knows, of models, which the page shows before the presets.
+const KNOWN: [(&str, &[u8]); 3] = [
+    ("gold", include_bytes!("../../../presets/known/gold.srbf")),
+    ("car_paint", include_bytes!("../../../presets/known/car_paint.srbf")),
+    ("velvet", include_bytes!("../../../presets/known/velvet.srbf")),
+];
+
 /// Shows a material or a sheet in a browser: ball and teapot, lobes, verdict.
 ///
 /// A measurement is fitted first, as `srbf fit` does. The page is served on the loopback address alone, until the command is ended by
-/// Ctrl-C. Of a sheet both sides are shown, by the light that they reflect and by that which comes through. Materials may be dropped on it. Measurements too, if --page names a folder of `packaging/web`, which holds the fitter for browsers.
+/// Ctrl-C. Of a sheet both sides are shown, by the light that they reflect and by that which comes through. Materials, packed ones too, and
+/// measurements may be dropped on the page: this program reads and fits them.
 #[derive(Debug, clap::Args)]
 pub struct Args {
     /// The material or the sheet, a .srbf file or the name of a preset; or a measurement or model that `srbf fit` reads [default: the presets]
@@ -35,7 +43,7 @@ pub struct Args {
     /// Prints the address, and opens no browser
     #[arg(long)]
     no_open: bool,
-    /// A folder that `packaging/web` wrote: its fitter.js fits measurements that are dropped on the page
+    /// A folder that `packaging/web` wrote: its fitter.js fits dropped files, in the browser
     #[arg(long, value_name = "DIR")]
     page: Option<PathBuf>,
 }
@@ -47,8 +55,8 @@ pub fn run(args: &Args) -> anyhow::Result<()> {
     let server = Server::bind(args.port)?;
     let opened = args.material.as_deref().map(opened).transpose()?;
     let mut files = files(opened.as_ref())?;
-    // Without it an empty script, so that no request of the page fails.
-    files.push(("fitter.js", fitter.unwrap_or_default()));
+    // Without it the page asks this program.
+    files.push(("fitter.js", fitter.unwrap_or_else(|| b"self.srbfServer = true;\n".to_vec())));
     let address = server.address();
     println!("{address} shows {}; Ctrl-C ends it", args.material.as_deref().unwrap_or("the presets"));
     print::flush();
@@ -57,7 +65,10 @@ pub fn run(args: &Args) -> anyhow::Result<()> {
     {
         println!("note no browser was opened: {error}");
     }
-    server.run(&files)
+    server.run(&files, &|verb, with, bytes, progress| match verb {
+        "open" => open(with, bytes, progress).map(|opened| (opened.json.to_string(), opened.bytes)),
+        _ => export(bytes, with).map(|bytes| (String::new(), bytes)),
+    })
 }
 
 /// The files of the page but for the fitter.
@@ -65,12 +76,26 @@ pub fn run(args: &Args) -> anyhow::Result<()> {
 /// # Errors
 /// As the page says them.
 pub fn files(opened: Option<&Opened>) -> anyhow::Result<Vec<(&'static str, Vec<u8>)>> {
+    with_parts(|presets, teapot| srbf_web::files(presets, teapot, opened))
+}
+
+/// The page as one file, which begins with a material.
+///
+/// # Errors
+/// As the page says them.
+pub fn one_file(opened: &Opened) -> anyhow::Result<String> {
+    with_parts(|presets, teapot| srbf_web::one_file(presets, teapot, opened))
+}
+
+/// Calls with the presets and the teapot of the page.
+fn with_parts<T>(call: impl FnOnce(&[Preset<'_>], &Teapot<'_>) -> Result<T, String>) -> anyhow::Result<T> {
     let mesh = teapot::tessellate(TEAPOT_STEPS);
     let numbers = |vectors: &[glam::Vec3]| vectors.iter().map(|v| v.to_array()).collect::<Vec<_>>();
     let (positions, normals) = (numbers(&mesh.positions), numbers(&mesh.normals));
     let teapot = Teapot { positions: &positions, normals: &normals, triangles: &mesh.triangles };
-    let presets: Vec<Preset<'_>> = PRESETS.iter().map(|&(name, bytes)| Preset { name, bytes }).collect();
-    srbf_web::files(&presets, &teapot, opened).map_err(|text| anyhow!(text))
+    let presets: Vec<Preset<'_>> =
+        KNOWN.iter().chain(PRESETS).map(|&(name, bytes)| Preset { name, bytes }).collect();
+    call(&presets, &teapot).map_err(|text| anyhow!(text))
 }
 
 /// The fitter of a folder.

@@ -9,6 +9,7 @@ use crate::truth::stored::Bytes;
 use anyhow::{Context, bail};
 use glam::Vec3;
 use srbf_core::{Error, Material};
+use srbf_fit::FitError;
 use srbf_fit::table::Draws;
 use srbf_thesis::lafortune::Lafortune;
 use srbf_thesis::samplers::analytic::{Analytic, Lobe};
@@ -19,6 +20,10 @@ use srbf_thesis::samplers::{lafortune, rgl};
 
 /// Share of the cosine in a sampler that may be 0, or far too small, where the truth is not.
 const COSINE: f32 = 0.05;
+
+/// Texels along an edge of the cube map that the thesis's algorithm fits. Tests ask whether estimates have a bias: a coarse map is
+/// enough, and takes a tenth of the time.
+const THESIS_EDGE: usize = if cfg!(test) { 20 } else { 64 };
 
 /// What draws for one material.
 pub struct Sampler<'a> {
@@ -57,6 +62,26 @@ impl<'a> Sampler<'a> {
         truth: &Truth<'a>,
         lobes: Option<&'a Material<Bytes>>,
     ) -> anyhow::Result<Self> {
+        Self::fit_beside(&mut None, name, truth, lobes)
+    }
+
+    /// Fits several samplers to a material. Those that draw in other ways from the same lobes, which take seconds to fit, share them.
+    pub fn fit_all(
+        names: impl IntoIterator<Item = SamplerName>,
+        truth: &Truth<'a>,
+        lobes: Option<&'a Material<Bytes>>,
+    ) -> impl Iterator<Item = (SamplerName, anyhow::Result<Self>)> {
+        let mut fitted = None;
+        names.into_iter().map(move |name| (name, Self::fit_beside(&mut fitted, name, truth, lobes)))
+    }
+
+    /// `fitted`: the thesis's lobes, if they were fitted to that truth before.
+    fn fit_beside(
+        fitted: &mut Option<Thesis>,
+        name: SamplerName,
+        truth: &Truth<'a>,
+        lobes: Option<&'a Material<Bytes>>,
+    ) -> anyhow::Result<Self> {
         if let Truth::Sheet(stored) = truth
             && !matches!(name, SamplerName::Lobes | SamplerName::LobesMulti)
         {
@@ -71,7 +96,13 @@ impl<'a> Sampler<'a> {
             _ => (Kind::Own, 0.0),
         };
         let analytic = |lobe| (Kind::Analytic(Analytic::fit(lobe, truth)), COSINE);
-        let thesis = |how| Thesis::fit(truth, how).map(Kind::Thesis);
+        let mut thesis = |how| -> Result<Kind<'_>, FitError> {
+            let lobes = match fitted.take() {
+                Some(lobes) => lobes,
+                None => Thesis::fit(truth, how, THESIS_EDGE)?,
+            };
+            Ok(Kind::Thesis(fitted.insert(lobes).drawn(how)))
+        };
         let (kind, cosine) = match name {
             SamplerName::Uniform => (Kind::Uniform, 0.0),
             SamplerName::Cosine => (Kind::Cosine, 0.0),

@@ -75,8 +75,7 @@ fn check(what: &str, truth: Truth<'_>, lobes: Option<Truth<'_>>, names: impl Ite
         Truth::Lobes(material) => material,
         Truth::Table(_) | Truth::Sheet(_) => panic!("lobes"),
     });
-    for name in names {
-        let fitted = Sampler::fit(name, &truth, lobes);
+    for (name, fitted) in Sampler::fit_all(names, &truth, lobes) {
         assert_eq!(fitted.is_ok(), is_fitted(name, &truth), "{what}, {}", name.text());
         let Ok(sampler) = fitted else { continue };
         for (degrees, azimuth) in [(5.0f64, 0.4f64), (50.0, 2.0), (80.0, -2.8)] {
@@ -196,8 +195,8 @@ fn samplers_of_a_file_with_warps() {
 fn a_black_material_is_sampled_or_refused() {
     let black = model("model:lambert:albedo=0");
     let truth = Truth::Table(&black);
-    for name in SamplerName::all() {
-        let Ok(sampler) = Sampler::fit(name, &truth, None) else {
+    for (name, fitted) in Sampler::fit_all(SamplerName::all(), &truth, None) {
+        let Ok(sampler) = fitted else {
             assert!(SLOW.contains(&name) || name == SamplerName::Rgl, "{}", name.text());
             continue;
         };

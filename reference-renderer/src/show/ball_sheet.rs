@@ -1,7 +1,7 @@
 //! Balls side by side in one picture, with their difference and a line of text above and below.
 
 use crate::out::panel::{FONT, Failure, register_font};
-use crate::out::picture_file::{automatic_exposure, displayed, to_bytes};
+use crate::out::picture_file::{displayed, to_bytes};
 use crate::out::progress::Progress;
 use crate::shade::shader::LoadedMaterial;
 use crate::trace::ball::{self, BallPixel};
@@ -57,62 +57,81 @@ pub struct Light<'a> {
     pub environment: &'a Environment,
     /// Samples a pixel.
     pub samples: u32,
-    /// Stops to brighten by, from an exposure that fits the last ball.
+    /// Stops to brighten by, from the exposure of the light.
     pub stops: f32,
     /// Degrees by which the samples are turned about their normals.
     pub turn: f32,
 }
 
+impl Light<'_> {
+    /// The factor on radiance, the same for all materials.
+    pub fn exposure(&self) -> f32 {
+        self.environment.exposure() * self.stops.exp2()
+    }
+}
+
+/// Squares of balls: the material, or the material, the other one, and their difference on the display.
+pub struct Balls {
+    /// 8-bit sRGB, rows from the top.
+    pub tiles: Vec<Vec<u8>>,
+    /// How far two balls are apart.
+    pub difference: Option<Difference>,
+}
+
+/// Renders squares, `side` pixels wide, with a colour of the display behind the balls.
+///
+/// # Errors
+/// Radiance that is not finite.
+pub fn balls(
+    material: &LoadedMaterial,
+    against: Option<&LoadedMaterial>,
+    light: &Light<'_>,
+    (side, ground): (u32, Vec3),
+) -> anyhow::Result<Balls> {
+    let progress = Progress::new("balls", side.into());
+    let &Light { environment, samples, turn, .. } = light;
+    let exposure = light.exposure();
+    let shown = |radiance: Vec3| displayed(radiance * exposure);
+    let Some(other) = against else {
+        let pixels = ball::render([material.shader()], environment, [side, samples], turn, &progress)
+            .with_context(|| format!("material {}", material.name()))?;
+        return Ok(Balls { tiles: vec![tile(&pixels, |p| shown(p.radiance[0]), ground)], difference: None });
+    };
+    let shaders = [material.shader(), other.shader()];
+    let pixels = ball::render(shaders, environment, [side, samples], turn, &progress)
+        .with_context(|| format!("materials {} and {}", material.name(), other.name()))?;
+    let apart = |p: &BallPixel<2>| {
+        let [ours, theirs] = p.radiance.map(shown);
+        (EQUAL + MAGNIFIED * (ours - theirs)).clamp(Vec3::ZERO, Vec3::ONE)
+    };
+    let [left, right] = [0, 1].map(|k| tile(&pixels, |p| shown(p.radiance[k]), ground));
+    let tiles = vec![left, right, tile(&pixels, apart, Vec3::splat(EQUAL))];
+    Ok(Balls { tiles, difference: Some(difference(&pixels)) })
+}
+
 /// Draws a ball of a material; or two, and their difference.
 ///
 /// # Errors
-/// Radiance that is not finite; faults of the font.
+/// As [`balls`]; faults of the font.
 pub fn draw(
     material: &LoadedMaterial,
     against: Option<&LoadedMaterial>,
     light: &Light<'_>,
 ) -> anyhow::Result<Sheet> {
-    let progress = Progress::new("balls", SIDE.into());
-    let &Light { environment, samples, turn, .. } = light;
-    match against {
-        None => {
-            let pixels = ball::render([material.shader()], environment, [SIDE, samples], turn, &progress)
-                .with_context(|| format!("material {}", material.name()))?;
-            let exposure = exposure(&pixels, light.stops);
-            let tile = tile(&pixels, |p| displayed(p.radiance[0] * exposure), BACKGROUND);
-            let below = format!("light {}, {samples} samples", light.name);
-            compose(&[(material.title(), tile)], &below, None)
-        }
-        Some(other) => {
-            let shaders = [material.shader(), other.shader()];
-            let pixels = ball::render(shaders, environment, [SIDE, samples], turn, &progress)
-                .with_context(|| format!("materials {} and {}", material.name(), other.name()))?;
-            let exposure = exposure(&pixels, light.stops);
-            let shown = |p: &BallPixel<2>| p.radiance.map(|radiance| displayed(radiance * exposure));
-            let left = tile(&pixels, |p| shown(p)[0], BACKGROUND);
-            let right = tile(&pixels, |p| shown(p)[1], BACKGROUND);
-            let apart = |p: &BallPixel<2>| {
-                let [ours, theirs] = shown(p);
-                (EQUAL + MAGNIFIED * (ours - theirs)).clamp(Vec3::ZERO, Vec3::ONE)
-            };
-            let difference = difference(&pixels);
-            let below = format!(
-                "light {}, {samples} samples; mean difference {:.2} % of the mean radiance, root mean square {:.2} %",
-                light.name,
-                100.0 * difference.mean,
-                100.0 * difference.root_mean_square
-            );
-            let third = (format!("left - right, x {MAGNIFIED}, grey is 0"), tile(&pixels, apart, EQUAL));
-            let tiles = [(material.title(), left), (other.title(), right), third];
-            compose(&tiles, &below, Some(difference))
-        }
+    let Balls { tiles, difference } = balls(material, against, light, (SIDE, Vec3::splat(BACKGROUND)))?;
+    let stops = if light.stops == 0.0 { String::new() } else { format!(", {:+} stops", light.stops) };
+    let mut below = format!("light {}{stops}, {} samples", light.name, light.samples);
+    if let Some(found) = difference {
+        below += &format!(
+            "; mean difference {:.2} % of the mean radiance, root mean square {:.2} %",
+            100.0 * found.mean,
+            100.0 * found.root_mean_square
+        );
     }
-}
-
-/// The exposure that suits the last of the balls.
-fn exposure<const N: usize>(pixels: &[BallPixel<N>], stops: f32) -> f32 {
-    let inside = pixels.iter().filter(|pixel| pixel.coverage == 1.0);
-    automatic_exposure(&inside.map(|pixel| pixel.radiance[N - 1]).collect::<Vec<_>>()) * stops.exp2()
+    let titles = [Some(material.title()), against.map(LoadedMaterial::title)];
+    let third = (tiles.len() > 2).then(|| format!("left - right, x {MAGNIFIED}, grey is 0"));
+    let titles: Vec<String> = titles.into_iter().flatten().chain(third).collect();
+    compose(&titles, &tiles, &below, difference)
 }
 
 /// Numbers of two balls.
@@ -139,27 +158,27 @@ fn difference(pixels: &[BallPixel<2>]) -> Difference {
 fn tile<const N: usize>(
     pixels: &[BallPixel<N>],
     shown: impl Fn(&BallPixel<N>) -> Vec3,
-    background: f32,
-) -> Vec<Vec3> {
-    pixels.iter().map(|pixel| Vec3::splat(background).lerp(shown(pixel), pixel.coverage)).collect()
+    ground: Vec3,
+) -> Vec<u8> {
+    pixels.iter().flat_map(|pixel| to_bytes(ground.lerp(shown(pixel), pixel.coverage))).collect()
 }
 
 /// Puts squares side by side, each with its text above, and a text below.
 fn compose(
-    tiles: &[(String, Vec<Vec3>)],
+    titles: &[String],
+    tiles: &[Vec<u8>],
     below: &str,
     difference: Option<Difference>,
 ) -> anyhow::Result<Sheet> {
     let size @ [width, height] = [SIDE * tiles.len() as u32, SIDE + 2 * LINE];
     let mut rgb: Vec<u8> = vec![to_bytes(Vec3::splat(BACKGROUND))[0]; (3 * width * height) as usize];
-    for (column, (_, tile)) in tiles.iter().enumerate() {
-        for (y, row) in tile.chunks_exact(SIDE as usize).enumerate() {
+    for (column, tile) in tiles.iter().enumerate() {
+        for (y, row) in tile.chunks_exact(3 * SIDE as usize).enumerate() {
             let start = 3 * ((LINE as usize + y) * width as usize + column * SIDE as usize);
-            let bytes = row.iter().flat_map(|&pixel| to_bytes(pixel));
-            rgb[start..start + 3 * row.len()].iter_mut().zip(bytes).for_each(|(to, from)| *to = from);
+            rgb[start..start + row.len()].copy_from_slice(row);
         }
     }
-    let texts = tiles.iter().enumerate().map(|(n, (text, _))| (text.as_str(), [n as u32 * SIDE, 0], SIDE));
+    let texts = titles.iter().enumerate().map(|(n, text)| (text.as_str(), [n as u32 * SIDE, 0], SIDE));
     let texts: Vec<_> = texts.chain([(below, [0, LINE + SIDE], width)]).collect();
     write_texts(&mut rgb, size, &texts).map_err(|error| anyhow!("cannot write the captions: {error}"))?;
     Ok(Sheet { size, rgb, difference })
@@ -185,7 +204,7 @@ fn write_texts(rgb: &mut [u8], size: [u32; 2], texts: &[(&str, [u32; 2], u32)]) 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::world::environment::sky;
+    use crate::world::environment::{WHITE, sky};
 
     fn sheet(material: &str, against: Option<&str>) -> Sheet {
         let load = |name: &str| LoadedMaterial::load(name).unwrap();
@@ -211,6 +230,22 @@ mod tests {
         let found = brighter.difference.unwrap();
         assert!((found.mean - 0.25).abs() < 1e-4, "{found:?}");
         assert!(third(&brighter).iter().filter(|v| **v > 140).count() > 200);
+    }
+
+    #[test]
+    fn a_ball_has_the_exposure_of_its_light_whatever_stands_beside_it() {
+        let environment = Environment::constant(3.0).unwrap();
+        let light = Light { name: "constant", environment: &environment, samples: 64, stops: 0.0, turn: 0.0 };
+        let [matte, dark] =
+            ["matte", "model:lambert:albedo=0.05"].map(|name| LoadedMaterial::load(name).unwrap());
+        let middle = |tile: &[u8]| tile[tile.len() / 2 + 3 * SIDE as usize / 2];
+        let of = |material, against| balls(material, against, &light, (SIDE, Vec3::ZERO)).unwrap().tiles;
+        let (alone, beside) = (of(&matte, None), of(&matte, Some(&dark)));
+        let expected = to_bytes(displayed(Vec3::splat(0.5 * WHITE)))[0];
+        for shown in [middle(&alone[0]), middle(&beside[0])] {
+            assert!(shown.abs_diff(expected) <= 4, "{shown} {expected}");
+        }
+        assert!(middle(&beside[1]) < expected / 2);
     }
 
     #[test]

@@ -103,7 +103,7 @@ fn tested(
     let light = Environment::new(32, light).unwrap();
     let names: Vec<SamplerName> = SamplerName::all().filter(is_tried).collect();
     let samplers: Vec<Sampler<'_>> =
-        names.iter().map(|&name| Sampler::fit(name, &truth, None).unwrap()).collect();
+        Sampler::fit_all(names.iter().copied(), &truth, None).map(|(_, fitted)| fitted.unwrap()).collect();
     let scene = |name: SamplerName| {
         let shader =
             Shader { truth, sampler: &samplers[names.iter().position(|&other| other == name).unwrap()] };

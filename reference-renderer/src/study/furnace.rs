@@ -171,9 +171,9 @@ mod tests {
             let mut expected = None;
             // Warps come with files, and the random walk is biased.
             let is_tried = |name: &SamplerName| !matches!(name, SamplerName::Rgl | SamplerName::ThesisWalk);
-            for name in SamplerName::all().filter(is_tried) {
+            for (name, fitted) in Sampler::fit_all(SamplerName::all().filter(is_tried), &truth, None) {
                 // The thesis's algorithm fits no lobes to lobes that are this sharp.
-                let Ok(sampler) = Sampler::fit(name, &truth, None) else { continue };
+                let Ok(sampler) = fitted else { continue };
                 let shader = Shader { truth, sampler: &sampler };
                 let scene = Scene::new(SceneName::Sphere, shader, shader, &environment);
                 let expected = expected.get_or_insert_with(|| albedos(&scene, &camera, size));

@@ -74,9 +74,10 @@ pub fn radiance<'a>(
     let scattering = &mut workspace.scattering;
     let Some(frame) = look(&surface, ray, scattering) else { return Vec3::NAN };
     if let Some(lighting) = lighting.filter(|lighting| lighting.helps_on(scattering, frame.point)) {
-        return path.even(lighting, &frame, scattering, &mut workspace.together);
+        return surface.tint.unwrap_or(Vec3::ONE)
+            * path.even(lighting, &frame, scattering, &mut workspace.together);
     }
-    path.reflected(&frame, &(), first, workspace)
+    surface.tint.unwrap_or(Vec3::ONE) * path.reflected(&frame, &(), first, workspace)
 }
 
 /// Estimates the colour of the light along a ray, with paths that carry values at four wavelengths.
@@ -95,7 +96,9 @@ pub fn spectral_radiance<'a>(
     let first = path.branch(0, settings.split as usize).ask_for_light(0);
     let Some(frame) = look(&surface, ray, &mut workspace.scattering) else { return Vec3::NAN };
     let primaries = wavelengths.surface(surface.material);
-    wavelengths.colour(path.reflected(&frame, &primaries, first, workspace))
+    let reflected = path.reflected(&frame, &primaries, first, workspace);
+    // A colour of a reflectance is a smooth spectrum as that of a radiance is.
+    wavelengths.colour(surface.tint.map_or(reflected, |tint| reflected * wavelengths.light(tint)))
 }
 
 impl<'a, C: Carried> Path<'_, 'a, C> {
@@ -367,6 +370,9 @@ impl<'a, C: Carried> Path<'_, 'a, C> {
             let asked = self.ask_for_light(bounce);
             let Some(frame) = look(&surface, &ray, scattering) else { return C::NAN };
             let own = self.carried.surface(surface.material);
+            if let Some(tint) = surface.tint {
+                throughput *= self.carried.light(tint);
+            }
             light += throughput * self.light_at(&frame, &own, scattering, bounce, asked);
             let [u, v, w, _] = self.points.draw(Decision::Material, bounce);
             let Some(sample) = scattering.sample([u, v, w]) else { break };

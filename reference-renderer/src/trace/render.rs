@@ -303,18 +303,18 @@ mod tests {
         // A light without a sharp sun, so that samplers of the material alone converge too.
         let pixels = (0..32 * 16).map(|i| glam::Vec3::splat(0.1 + ((i * 37) % 11) as f32)).collect();
         let light = Environment::new(32, pixels).unwrap();
-        let (object, ground) = (lacquer(), StoredMaterial::load("matte").unwrap());
-        let truths = [Truth::Lobes(&object.material), Truth::Lobes(&ground.material)];
+        let lacquer = lacquer();
+        let truth = Truth::Lobes(&lacquer.material);
         let is_tried = |name: &SamplerName| {
             !matches!(name, SamplerName::Rgl | SamplerName::Thesis | SamplerName::ThesisWalk)
         };
         let names: Vec<SamplerName> = SamplerName::all().filter(is_tried).collect();
-        let fitted = names.iter().map(|&name| truths.map(|truth| Sampler::fit(name, &truth, None).unwrap()));
-        let fitted: Vec<[Sampler<'_>; 2]> = fitted.collect();
+        let fitted = Sampler::fit_all(names.iter().copied(), &truth, None);
+        let fitted: Vec<Sampler<'_>> = fitted.map(|(_, sampler)| sampler.unwrap()).collect();
         let means = |scene_name: SceneName, strategy: Strategy| {
-            let samplers = &fitted[names.iter().position(|&name| name == strategy.sampler).unwrap()];
-            let [object, ground] = [0, 1].map(|n| Shader { truth: truths[n], sampler: &samplers[n] });
-            let scene = Scene::new(scene_name, object, ground, &light);
+            let sampler = &fitted[names.iter().position(|&name| name == strategy.sampler).unwrap()];
+            let shader = Shader { truth, sampler };
+            let scene = Scene::new(scene_name, shader, shader, &light);
             let split = if strategy.sampler.is_multi() { 4 } else { 1 };
             let settings = RenderSettings { light: strategy.light, split, ..MIS };
             let film = film(&scene, scene_name, &settings, 256 / split);

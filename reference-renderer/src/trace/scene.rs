@@ -2,6 +2,7 @@
 //!
 //! A scene is made of parts, each with a [`Role`]; it builds those alone that it has, and asks for the materials of those alone.
 
+use crate::numbers::random::Random;
 use crate::shade::shader::Shader;
 use crate::trace::camera::Camera;
 use crate::world::ball::Ball;
@@ -10,6 +11,7 @@ use crate::world::environment::Environment;
 use crate::world::intersect::TriangleTree;
 use crate::world::mesh::Mesh;
 use crate::world::ray::Ray;
+use crate::world::skin::Skin;
 use crate::world::teapot;
 use glam::{Vec2, Vec3, vec3};
 use std::f32::consts::TAU;
@@ -323,6 +325,8 @@ pub struct Scene<'a> {
     /// The triangle that a part begins with, and its material.
     parts: Vec<(usize, Shader<'a>)>,
     object: Shader<'a>,
+    /// The maps of a mesh that is the object, and their palette.
+    skin: Option<(&'a Skin, Vec<Shader<'a>>)>,
     /// The light among the surfaces.
     pub bulb: Option<Bulb>,
     /// Cosine and sine of the turn of the samples about their normals.
@@ -339,6 +343,8 @@ pub struct Surface<'s, 'a> {
     /// Unit normal of the smooth surface that the triangles stand for.
     pub smooth: Vec3,
     pub material: &'s Shader<'a>,
+    /// A factor on all light that it reflects, linear sRGB.
+    pub tint: Option<Vec3>,
     /// Cosine and sine of the turn of the sample about its normal.
     pub turn: Vec2,
 }
@@ -370,9 +376,32 @@ impl<'a> Scene<'a> {
             mesh,
             parts: parts.into_iter().map(|(first, role)| (first, material(role))).collect(),
             object: material(Role::Object),
+            skin: None,
             turn: Vec2::X,
             environment,
         }
+    }
+
+    /// The same with maps on the mesh that is the object, which comes first among the shapes. The palette has all materials that they name.
+    #[must_use]
+    pub fn with_skin(self, skin: &'a Skin, palette: Vec<Shader<'a>>) -> Self {
+        Self { skin: Some((skin, palette)), ..self }
+    }
+
+    /// The material and the tint of a place of the object, by its maps. `None` where it has none.
+    ///
+    /// One of two materials is chosen by a hash of the ray: it is another one for every path, and the same for every run.
+    fn by_maps(&self, triangle: usize, point: Vec3, ray: &Ray) -> Option<(&Shader<'a>, Option<Vec3>)> {
+        let (skin, palette) = self.skin.as_ref()?;
+        let is_object = self.parts.get(1).is_none_or(|next| triangle < next.0);
+        let place = self.mesh.coordinates_at(triangle, point).filter(|_| is_object)?;
+        let bits = |v: Vec3| {
+            let [x, y, z] = v.to_array().map(|v| u64::from(v.to_bits()));
+            x ^ y << 32 ^ z.rotate_left(16)
+        };
+        let choice = Random::new(bits(ray.direction), bits(ray.origin), 0).unit();
+        let (material, tint) = skin.at(place, choice);
+        Some((palette.get(material)?, tint))
     }
 
     /// The same with samples that are turned about their normals, in degrees, counterclockwise as seen from outside.
@@ -391,12 +420,13 @@ impl<'a> Scene<'a> {
             let point = at(hit.distance);
             let (flat, smooth) = self.mesh.normals_at(hit.triangle, point);
             let part = self.parts.iter().rfind(|part| part.0 <= hit.triangle)?;
-            return Some(Surface { point, flat, smooth, material: &part.1, turn: self.turn });
+            let (material, tint) = self.by_maps(hit.triangle, point, ray).unwrap_or((&part.1, None));
+            return Some(Surface { point, flat, smooth, material, tint, turn: self.turn });
         }
         ball.map(|(distance, ball, material)| {
             let normal = (at(distance) - ball.centre).normalize();
             let point = ball.centre + normal * ball.radius;
-            Surface { point, flat: normal, smooth: normal, material, turn: self.turn }
+            Surface { point, flat: normal, smooth: normal, material, tint: None, turn: self.turn }
         })
     }
 
@@ -429,7 +459,8 @@ impl<'a> Scene<'a> {
 
     /// The materials of all parts.
     pub fn shaders(&self) -> impl Iterator<Item = &Shader<'a>> {
-        self.ball.iter().map(|ball| &ball.1).chain(self.parts.iter().map(|part| &part.1))
+        let palette = self.skin.iter().flat_map(|skin| &skin.1);
+        self.ball.iter().map(|ball| &ball.1).chain(self.parts.iter().map(|part| &part.1)).chain(palette)
     }
 
     /// The teapot on a floor of square tiles, each with a material of its own: the first is the teapot's too.
@@ -449,7 +480,8 @@ impl<'a> Scene<'a> {
             }
         }
         let tree = TriangleTree::new(&mesh);
-        Self { ball: None, bulb: None, tree, mesh, parts, object: materials[0], turn: Vec2::X, environment }
+        let (object, turn) = (materials[0], Vec2::X);
+        Self { ball: None, bulb: None, tree, mesh, parts, object, skin: None, turn, environment }
     }
 
     /// The object's material.

@@ -8,7 +8,7 @@ use crate::shade::shader::Shader;
 use crate::study::furnace;
 use crate::trace::camera::Camera;
 use crate::trace::film::Film;
-use crate::trace::render::add_samples;
+use crate::trace::render::{add_samples, add_samples_by_waves};
 use crate::trace::scene::{Role, Scene, SceneName, Shapes};
 use crate::trace::settings::RenderSettings;
 use crate::truth::sheets::StoredSheet;
@@ -19,6 +19,7 @@ use crate::world::ball::Ball;
 use crate::world::bulb::Bulb;
 use crate::world::environment::{Environment, sky};
 use crate::world::mesh::Mesh;
+use crate::world::skin::Skin;
 use crate::world::sphere_sampling;
 use glam::{DVec3, Vec3, vec3};
 use srbf_core::Quarter;
@@ -59,6 +60,36 @@ fn leaning() -> (Shapes, Vec3) {
 fn aslant(is_behind: bool) -> Camera {
     let eye = if is_behind { vec3(2.0, 1.0, -3.0) } else { vec3(2.0, -1.0, 3.0) };
     Camera::new(eye, Vec3::ZERO, 10f32.to_radians(), SIZE)
+}
+
+/// Under the same light from everywhere a surface of two materials shows the weighted albedo, times the tint.
+#[test]
+fn a_skin_has_the_weighted_albedo_and_its_tint() {
+    let environment = Environment::constant(1.0).unwrap();
+    let [dark, bright] = [0.2, 0.8].map(|albedo| StoredMaterial::matte("grey", [albedo; 3]).unwrap());
+    let tint = vec3(1.0, 0.5, 0.25);
+    let skin = Skin::even(0.25, tint);
+    let expected = 0.35 * tint.as_dvec3();
+    let check = |name: &str, film: &Film| {
+        let (mean, error) = mean(film);
+        let apart = (mean - expected).abs() - 4.0 * error;
+        assert!(apart.max_element() < 2e-3, "{name}: {mean}, {error}, not {expected}");
+    };
+    let mut mesh = leaning().0.mesh;
+    mesh.wrap();
+    let scene = || {
+        let mut shapes = Shapes::default();
+        shapes.add(mesh.clone(), Role::Object);
+        let palette = vec![(&dark.material).into(), (&bright.material).into()];
+        Scene::build(shapes, |_| (&dark.material).into(), &environment).with_skin(&skin, palette)
+    };
+    for light in LIGHTS {
+        check(&format!("{light:?}"), &film(&scene(), &aslant(false), &settings(light, 3), 64));
+    }
+    let mut waves = Film::new(SIZE);
+    let settings = settings(Light::Mis, 3);
+    add_samples_by_waves(&scene(), &aslant(false), &settings, &mut waves, 64, &Progress::hidden()).unwrap();
+    check("waves", &waves);
 }
 
 /// A sheet whose four quarters differ, two of them with an axis.

@@ -16,6 +16,13 @@ use std::sync::OnceLock;
 /// Most pixels that a map may have, 8192 x 4096: such a map needs 2 GB of memory.
 pub const MAX_PIXELS: usize = srbf_core::MAX_ENVIRONMENT_PIXELS;
 
+/// Directions of the light that an exposure is measured by.
+const METERED: u32 = 4096;
+
+/// The radiance, as it is shown, of a white matte surface that faces most of the light. Surfaces that reflect half of it are as bright as a
+/// display; the tone map compresses values above 0.76.
+pub const WHITE: f32 = 2.0;
+
 /// A map of radiance, which is sampled by its luminance.
 pub struct Environment {
     /// The table of `core`: what looks up, samples, and samples together with a mixture.
@@ -70,6 +77,27 @@ impl Environment {
     /// The radiance, if it is the same from everywhere.
     pub fn constant_radiance(&self) -> Option<Vec3> {
         self.constant
+    }
+
+    /// The factor on radiance that brings a white matte surface, which faces most of the light, to [`WHITE`]: pictures of any materials under one light
+    /// have it in common.
+    pub fn exposure(&self) -> f32 {
+        if let Some(radiance) = self.constant {
+            return WHITE / srbf_core::luminance(radiance);
+        }
+        // Draws by luminance, evenly spread (Roberts 2018): each stands for as much of the light.
+        let steps = [0.819_172_513_396_164, 0.671_043_606_703_789, 0.549_700_477_901_970];
+        let draw = |n: u32| self.sample(steps.map(|step: f64| (0.5 + step * f64::from(n)).fract() as f32));
+        let lights: Vec<(Vec3, f32)> = (0..METERED)
+            .map(draw)
+            .map(|drawn| (drawn.direction, srbf_core::luminance(drawn.radiance) / drawn.pdf))
+            .collect();
+        let most: Vec3 = lights.iter().map(|(direction, light)| *direction * *light).sum();
+        let normal = most.try_normalize().unwrap_or(Vec3::Z);
+        let on_it = |(direction, light): &(Vec3, f32)| f64::from(light * normal.dot(*direction).max(0.0));
+        let irradiance = lights.iter().map(on_it).sum::<f64>() / f64::from(METERED);
+        let exposure = f64::from(WHITE) * std::f64::consts::PI / irradiance;
+        if exposure.is_finite() { exposure as f32 } else { 1.0 }
     }
 
     /// Turns the map round +z, anticlockwise seen from above; radians.
@@ -170,6 +198,25 @@ mod tests {
             let direction = Vec3::new((r * phi.cos()) as f32, (r * phi.sin()) as f32, z as f32);
             (direction, (upper - lower) * TAU / f64::from(columns))
         })
+    }
+
+    #[test]
+    fn an_exposure_shows_white_that_faces_the_light_alike() {
+        let constant = Environment::constant(2.0).unwrap().exposure();
+        assert!((2.0 * constant / WHITE - 1.0).abs() < 1e-3, "{constant}");
+        for environment in [uneven(), sky::sky(), sky::haze(), sky::sun_alone(Vec3::new(0.6, 0.0, -0.8))] {
+            let irradiance = |normal: Vec3| {
+                let light = |(d, part): (Vec3, f64)| {
+                    part * f64::from(srbf_core::luminance(environment.radiance(d)) * normal.dot(d).max(0.0))
+                };
+                parts().map(light).sum::<f64>()
+            };
+            let axes = [Vec3::X, Vec3::Y, Vec3::Z];
+            let brightest = axes.iter().flat_map(|axis| [*axis, -*axis]).map(irradiance).fold(0.0, f64::max);
+            let shown = f64::from(environment.exposure()) * brightest / PI / f64::from(WHITE);
+            // An axis may lie 55 degrees from the light.
+            assert!((0.5..1.05).contains(&shown), "{shown}");
+        }
     }
 
     #[test]

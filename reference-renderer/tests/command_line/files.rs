@@ -6,7 +6,7 @@ use std::process::Command;
 #[test]
 fn an_output_that_would_lie_over_another_is_refused() {
     let place = folder("outputs");
-    refused(&place, &["render", "-o", "r.png"], &["r.png", ".exr"]);
+    refused(&place, &["render", "-o", "r.jpg"], &["r.jpg", ".exr", ".png"]);
 }
 
 #[test]

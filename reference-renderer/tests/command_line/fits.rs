@@ -1,6 +1,6 @@
 //! Fits and their verdicts.
 
-use crate::{folder, refused, rows, srbf};
+use crate::{command, folder, refused, rows, srbf};
 use srbf_core::{Line, PlaneLobe, View};
 
 #[test]
@@ -65,6 +65,72 @@ fn a_table_is_fitted_and_the_material_inspected_and_a_cut_one_refused() {
     refused(&place, &["inspect", "cut.srbf"], &["cut.srbf"]);
     refused(&place, &["render", "--material", "cut.srbf", "-o", "out.exr"], &["cut.srbf"]);
     refused(&place, &["inspect", "absent.srbf"], &["absent.srbf"]);
+}
+
+#[test]
+fn samples_too_few_to_be_meant_are_refused_with_the_number_that_is_needed() {
+    let place = folder("few");
+    let head = "theta_i,phi_i,theta_o,phi_o,value\n";
+    let near = |n: i32| format!("{},0,30,180,0.5\n", 10 * n);
+    for (name, rows, says) in [
+        ("one.csv", near(1), "1 sample;"),
+        ("four.csv", (1..=4).map(near).collect(), "4 samples;"),
+        ("same.csv", near(3).repeat(40), "40 samples at 1 pair of directions;"),
+        ("twice.csv", (1..=4).map(near).collect::<String>().repeat(2), "8 samples at 4 pairs of directions;"),
+    ] {
+        std::fs::write(place.join(name), format!("{head}{rows}")).unwrap();
+        for command in ["fit", "pack"] {
+            refused(&place, &[command, name, "-o", "out.srbf"], &[name, says, "need 5 at least"]);
+        }
+    }
+}
+
+/// Of samples, which are fitted with less effort than the options name.
+#[test]
+fn the_provenance_tells_the_options_as_they_were_given() {
+    let place = folder("provenance");
+    std::fs::write(place.join("s.csv"), rows()).unwrap();
+    let options = ["--lobes", "2", "--starts", "3", "--steps", "7", "--exchanges", "1", "--bytes", "7000"];
+    let fit = ["fit", "s.csv", "--smoothness", "1e-4", "--views", "3", "--no-picture", "-o", "s.srbf"];
+    assert!(srbf(&place, &[&fit[..], &options].concat()).status.success());
+    let output = srbf(&place, &["inspect", "s.srbf", "--json"]);
+    let json: serde_json::Value = serde_json::from_slice(&output.stdout).unwrap();
+    let line = json["provenance"][1].as_str().unwrap();
+    let says = "smoothness 1e-4, 3 starts, 7 steps, 1 exchanges, 7000 bytes at most";
+    assert!(line.contains("2 lobes, ") && line.ends_with(says), "{line}");
+    assert_eq!((&json["kind"], &json["lobes"]), (&"material".into(), &2.into()));
+}
+
+#[test]
+fn the_content_is_printed_as_json() {
+    let place = folder("inspect");
+    let json = |arguments: &[&str]| -> serde_json::Value {
+        let output = srbf(&place, &[&["inspect", "--json"], arguments].concat());
+        serde_json::from_slice(&output.stdout).unwrap()
+    };
+    let material = json(&["garnet_red", "--lobes"]);
+    let views = material["views"].as_array().unwrap();
+    assert_eq!((material["bytes"].as_u64(), views.len()), (Some(4512), 17));
+    assert_eq!(material["spectra"]["wavelengths"].as_array().unwrap().len(), 31);
+    let text = String::from_utf8(srbf(&place, &["inspect", "garnet_red"]).stdout).unwrap();
+    for (view, line) in views.iter().zip(text.lines().skip_while(|line| !line.starts_with("view ")).skip(1)) {
+        let numbers: Vec<f64> = line.split_whitespace().map(|word| word.parse().unwrap()).collect();
+        let albedo = view["albedo"].as_array().unwrap().iter().map(|v| v.as_f64().unwrap());
+        let of_json = [view["degrees"].as_f64().unwrap(), view["squeeze"].as_f64().unwrap()];
+        for (shown, stored) in numbers[1..6].iter().zip(of_json.into_iter().chain(albedo)) {
+            assert!((shown - stored).abs() < 6e-3, "{line}: {view}");
+        }
+        let share = view["diffuse"].as_f64().unwrap();
+        assert!((numbers[6] - 100.0 * share).abs() < 0.06, "{line}: {view}");
+        assert_eq!(view["lobes"].as_array().unwrap().len(), 10);
+    }
+    assert!(json(&["garnet_red"])["views"][0].get("lobes").is_none());
+    let sheet = json(&[concat!(env!("CARGO_MANIFEST_DIR"), "/presets/sheets/ground_glass.srbf")]);
+    assert_eq!(sheet["kind"], "sheet");
+    assert!(sheet["quarters"]["back-reflection"].is_null());
+    assert_eq!(sheet["quarters"]["front-transmission"]["kind"], "material");
+    assert_eq!(sheet["light"].as_array().unwrap().len(), 6);
+    refused(&place, &["inspect", "garnet_red", "--json", "--quiet"], &["--json", "--quiet"]);
 }
 
 /// The folder that is written to without -o has a name for each.
@@ -175,7 +241,9 @@ fn a_fit_is_judged_against_what_it_was_made_from() {
     let model = "model:phong:diffuse=0.3,specular=0.3,exponent=50";
     let few = ["--lobes", "2", "--starts", "1", "--steps", "20", "--exchanges", "0", "--views", "4"];
     let fit = [&["fit", model, "--verbose", "--factors", "4x3", "-o", "phong.srbf"], &few[..]].concat();
-    let output = srbf(&place, &fit);
+    // On a terminal of 80 columns.
+    let printed = |call: &[&str]| command(&place, call).env("COLUMNS", "80").output().unwrap();
+    let output = printed(&fit);
     assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
     let fitted = String::from_utf8(output.stdout).unwrap();
     assert!(fitted.contains("factors: 4 x 3 x 1 nodes, largest "), "{fitted}");
@@ -189,14 +257,14 @@ fn a_fit_is_judged_against_what_it_was_made_from() {
     let text = String::from_utf8(preset.stdout).unwrap();
     assert!(preset.status.success() && text.contains("2 held-out views:"), "{text}");
     let judge = ["judge", "phong.srbf", "--against", model, "--angles", "10", "50"];
-    let output = srbf(&place, &judge);
+    let output = printed(&judge);
     let text = String::from_utf8(output.stdout).unwrap();
     assert!(output.status.success() && text.contains("2 held-out views:"), "{text}");
-    assert!(
-        text.lines().filter(|line| line.starts_with("  10.0 |") || line.starts_with("  50.0 |")).count() == 2
-    );
+    // Errors and albedos.
+    let of_views = text.lines().filter(|line| line.starts_with("  10.0 |") || line.starts_with("  50.0 |"));
+    assert_eq!(of_views.count(), 4, "{text}");
     for line in text.lines().chain(fitted.lines()) {
-        assert!(line.chars().count() <= 115, "{line}");
+        assert!(line.chars().count() <= 80, "{line}");
     }
     let text = String::from_utf8(srbf(&place, &["inspect", "phong.srbf"]).stdout).unwrap();
     assert!(text.contains("factors     4 x 3 x 1 nodes"), "{text}");

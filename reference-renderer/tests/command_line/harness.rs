@@ -11,10 +11,10 @@ pub fn folder(name: &str) -> PathBuf {
     place
 }
 
-/// A call of the program, without SRBF_DATA_DIR.
+/// A call of the program, without SRBF_DATA_DIR and the columns of a terminal.
 pub fn command(place: &Path, arguments: &[&str]) -> Command {
     let mut command = Command::new(crate::PROGRAM);
-    command.current_dir(place).args(arguments).env_remove("SRBF_DATA_DIR");
+    command.current_dir(place).args(arguments).env_remove("SRBF_DATA_DIR").env_remove("COLUMNS");
     command
 }
 

@@ -1,6 +1,8 @@
 //! Help of the command line, and options that are refused.
 
-use crate::{folder, refused, rows, srbf};
+use crate::{command, folder, refused, rows, srbf};
+use clap::CommandFactory;
+use srbf_reference_renderer::command::Cli;
 
 #[test]
 fn the_command_line_describes_itself() {
@@ -13,6 +15,40 @@ fn the_command_line_describes_itself() {
     assert!(srbf(&place, &["man", "man1"]).status.success());
     let page = |name: &str| std::fs::read_to_string(place.join("man1").join(name)).unwrap();
     assert!(page("srbf.1").contains("srbf\\-fit") && page("srbf-fit.1").contains("cross\\-validate"));
+}
+
+/// The output for a terminal of that width.
+fn printed_on(place: &std::path::Path, columns: Option<usize>, arguments: &[&str]) -> String {
+    let mut call = command(place, arguments);
+    let output = call.envs(columns.map(|columns| ("COLUMNS", columns.to_string()))).output().unwrap();
+    String::from_utf8([output.stdout, output.stderr].concat()).unwrap()
+}
+
+#[test]
+fn text_is_as_wide_as_the_terminal() {
+    let place = folder("columns");
+    let widest = |text: &str| text.lines().map(|line| line.chars().count()).max().unwrap_or(0);
+    let program = Cli::command();
+    for name in program.get_subcommands().map(clap::Command::get_name) {
+        for help in ["-h", "--help"] {
+            for (columns, most) in [(Some(80), 80), (Some(60), 60), (None, 100)] {
+                let text = printed_on(&place, columns, &[name, help]);
+                assert!((20..=most).contains(&widest(&text)), "{name} {help}, {columns:?}: {text}");
+            }
+        }
+    }
+    // Tables are no wider by themselves: broken at 80 columns they have no line more.
+    for arguments in [&["inspect", "garnet_red", "--lobes"][..], &["inspect", "cayman"]] {
+        let [narrow, whole] = [Some(80), None].map(|columns| printed_on(&place, columns, arguments));
+        assert!(widest(&narrow) <= 80, "{narrow}");
+        let table = |text: &str| text.split_once("\n\n").unwrap().1.to_owned();
+        assert_eq!(table(&narrow), table(&whole));
+    }
+    let wrong = printed_on(&place, Some(60), &["render", "--scene", "statue"]);
+    assert!(widest(&wrong) <= 60 && wrong.lines().count() > 1, "{wrong}");
+    // Of data no line is broken.
+    let data = ["inspect", "garnet_red", "--json"];
+    assert_eq!(printed_on(&place, Some(20), &data), printed_on(&place, None, &data));
 }
 
 #[test]
@@ -33,8 +69,7 @@ fn options_that_do_not_fit_are_refused_by_name() {
     refused(&place, &["fit", "model:phong:shine=3"], &["shine"]);
     refused(&place, &["--out", "a", "inspect", "matte"], &["--out"]);
     let brushed = "model:ward:alpha_x=0.1,alpha_y=0.4";
-    let isotropic = [("--exchanges", "3"), ("--mirrored", "1"), ("--factors", "4x3")];
-    for (option, value) in isotropic {
+    for (option, value) in [("--exchanges", "3"), ("--mirrored", "1")] {
         refused(&place, &["fit", brushed, option, value], &[option, "anisotropic"]);
     }
     for method in ["thesis", "lafortune"] {

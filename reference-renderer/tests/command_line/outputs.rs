@@ -92,6 +92,20 @@ const CASES: &[Case] = &[
         onto: &[("render --env map.exr --size 4x4 --spp 1 -o @", "map.exr")],
     },
     Case {
+        call: "render --scene statue --mesh a.obj --palette m.srbf,g.srbf --index-map i.png --weight-map w.png --tint-map t.png \
+            --size 4x4 --spp 1 -o r.exr",
+        inputs: &[
+            ("mesh", "a.obj"),
+            ("palette", "m.srbf"),
+            ("palette", "g.srbf"),
+            ("index_map", "i.png"),
+            ("weight_map", "w.png"),
+            ("tint_map", "t.png"),
+        ],
+        writes: &["r.exr", "r.png"],
+        onto: &[("render --scene statue --mesh a.obj --tint-map t.png --size 4x4 --spp 1 -o @", "t.png")],
+    },
+    Case {
         call: "plot m.srbf --against t.bsdf --env map.hdr --html -o p.png",
         inputs: &[("material", "m.srbf"), ("against", "t.bsdf"), ("env", "map.hdr")],
         writes: &["p.png", "p.html"],
@@ -139,6 +153,8 @@ fn place(name: &str) -> std::path::PathBuf {
     #[cfg(unix)]
     std::os::unix::fs::symlink(".", place.join("link")).unwrap();
     std::fs::create_dir(place.join("sub")).unwrap();
+    let map = image::GrayImage::from_raw(2, 1, vec![0, 1]).unwrap();
+    ["i.png", "w.png", "t.png"].iter().for_each(|name| map.save(place.join(name)).unwrap());
     std::fs::write(place.join("net_names.txt"), "one").unwrap();
     std::fs::write(place.join("s.csv"), rows()).unwrap();
     std::fs::write(place.join("lamp.csv"), "400,0.2\n700,0.8\n").unwrap();

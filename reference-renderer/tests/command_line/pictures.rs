@@ -50,6 +50,45 @@ fn every_sampler_is_called_by_name() {
     refused(&["--light", "on"], &["--light", "only"]);
 }
 
+/// Ball and scene, whatever the material and what stands beside it: under one light a surface has one colour.
+#[test]
+fn pictures_under_one_light_have_one_exposure() {
+    let place = folder("exposure");
+    let middle = |name: &str, [x, y]: [u32; 2]| -> [u8; 3] {
+        image::open(place.join(name)).unwrap().to_rgb8().get_pixel(x, y).0
+    };
+    let drawn = |arguments: &[&str], says: &str| {
+        let output = srbf(&place, arguments);
+        let text = String::from_utf8_lossy(&output.stdout);
+        assert!(output.status.success(), "{arguments:?}: {}", String::from_utf8_lossy(&output.stderr));
+        assert!(text.contains(says), "{text}");
+    };
+    let light = ["--env", "constant:3", "--spp", "32"];
+    drawn(&[&["ball", "matte", "-o", "a.png"], &light[..]].concat(), "exposure 0.667");
+    let beside = ["ball", "matte", "--against", "model:lambert:albedo=0.05", "-o", "b.png"];
+    drawn(&[&beside, &light[..]].concat(), "exposure 0.667");
+    let render = ["render", "--material", "matte", "--size", "64x64", "--max-bounces", "1"];
+    drawn(&[&render, &light[..], &["-o", "c.png"]].concat(), "exposure of the PNG: 0.667");
+    let shown = [middle("a.png", [128, 150]), middle("b.png", [128, 150]), middle("c.png", [32, 32])];
+    assert!(shown.iter().all(|rgb| rgb[0].abs_diff(shown[0][0]) <= 4), "{shown:?}");
+    // A stop is a factor of two.
+    drawn(&[&render, &light[..], &["--exposure=-1", "-o", "d.png"]].concat(), "-1 stops");
+    assert!(middle("d.png", [32, 32])[0] < shown[2][0] - 20);
+}
+
+#[test]
+fn a_picture_is_written_as_png_alone() {
+    let place = folder("png");
+    let render = ["render", "--size", "16x16", "--spp", "4", "-o"];
+    for name in ["a.png", "b.exr"] {
+        let output = srbf(&place, &[&render[..], &[name]].concat());
+        assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+    }
+    let [alone, beside] = ["a.png", "b.png"].map(|name| std::fs::read(place.join(name)).unwrap());
+    assert_eq!(alone, beside);
+    assert!(!place.join("a.exr").exists() && place.join("b.exr").exists());
+}
+
 /// Under a light that a file has; the furnace in daylight has the albedo of colours.
 #[test]
 fn pictures_are_spectral_by_option() {
@@ -368,4 +407,29 @@ fn no_picture_is_lost_under_six_maps_with_ten_seeds() {
             .collect();
         println!("{map:>22}  {}", lost.join(" "));
     }
+}
+
+#[test]
+fn a_mesh_has_its_materials_by_maps() {
+    let place = folder("maps");
+    let mesh = "v -1 0 0\nv 1 0 0\nv 1 2 0\nv -1 2 0\nvt 0 0\nvt 1 0\nvt 1 1\nvt 0 1\nf 1/1 2/2 3/3 4/4\n";
+    std::fs::write(place.join("wall.obj"), mesh).unwrap();
+    image::GrayImage::from_raw(2, 1, vec![0, 1]).unwrap().save(place.join("mask.png")).unwrap();
+    let shared = ["render", "--scene", "statue", "--mesh", "wall.obj", "--size", "16x16", "--spp", "4"];
+    let of = |rest: &[&'static str]| [&shared[..], rest].concat();
+    let maps = ["--palette", "matte,garnet_red", "--index-map", "mask.png", "--tint-map", "mask.png"];
+    let output = srbf(&place, &of(&[&maps[..], &["-o", "a.exr"]].concat()));
+    let text = String::from_utf8_lossy(&output.stdout);
+    assert!(output.status.success() && text.contains("palette 1: rendered is garnet_red"), "{output:?}");
+    let weights =
+        ["--palette", "matte,garnet_red", "--weight-map", "mask.png", "--wavefront", "--sampler", "mis"];
+    assert!(srbf(&place, &of(&[&weights[..], &["-o", "b.exr"]].concat())).status.success());
+    refused(&place, &of(&["--palette", "matte,cayman", "-o", "c.exr"]), &["--index-map"]);
+    refused(
+        &place,
+        &of(&["--palette", "matte", "--index-map", "mask.png", "-o", "c.exr"]),
+        &["mask.png", "column 1, row 0"],
+    );
+    refused(&place, &of(&["--weight-map", "mask.png", "-o", "c.exr"]), &["--palette"]);
+    refused(&place, &["render", "--palette", "matte,cayman", "-o", "c.exr"], &["--mesh"]);
 }

@@ -114,6 +114,31 @@ fn samples_on_both_sides_are_a_sheet() {
     }
 }
 
+/// Of samples that are fitted twice: they reflect and let through more light than falls on them.
+#[test]
+fn the_share_of_a_fit_that_goes_on_never_falls() {
+    let place = folder("sheet-share");
+    let pi = std::f64::consts::PI;
+    std::fs::write(place.join("bright.csv"), table(&[(1.0, 0.9 / pi, 0.6 / pi)])).unwrap();
+    let conventions = srbf_fit::read::Conventions::default();
+    let sheet = srbf_fit::read::sheet_of(&place.join("bright.csv"), &conventions, true).unwrap().unwrap();
+    let settings = srbf_fit::Settings {
+        lobes: 2,
+        starts: 1,
+        steps: 10,
+        views: Some(3),
+        exchanges: 0,
+        ..srbf_fit::Settings::default()
+    };
+    let mut shares = Vec::new();
+    let fit = srbf_fit::fit_sheet(&sheet, &settings, |share| shares.push(share)).unwrap();
+    assert!(fit.scale < 1.0, "{}", fit.scale);
+    assert!(shares.is_sorted() && shares[0] < 0.1, "{shares:?}");
+    assert_eq!(shares.last(), Some(&1.0));
+    // The second fit is shown too.
+    assert!(shares.iter().filter(|share| (0.55..0.95).contains(*share)).count() > 5, "{shares:?}");
+}
+
 #[test]
 fn no_more_light_leaves_than_falls_on_it() {
     let place = folder("sheet-bright");

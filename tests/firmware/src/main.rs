@@ -26,12 +26,20 @@ static MATERIAL: &[u8] = include_bytes!("../../../presets/garnet_red.srbf");
 /// The same in codes of 8 bits: `srbf pack garnet_red -o tests/firmware/garnet_red_packed.srbf`.
 static PACKED: &[u8] = include_bytes!("../garnet_red_packed.srbf");
 
+/// A brushed surface with mirrors, and the same in codes: seeds of the attacks.
+static BRUSHED: &[u8] = include_bytes!("../../../fuzz/seeds/material/mirrors");
+static BRUSHED_PACKED: &[u8] = include_bytes!("../../../fuzz/seeds/material/mirrors-in-codes");
+
 /// Prints all figures, line by line.
 fn report() -> Result<(), &'static str> {
     let material = srbf_core::Material::from_bytes(MATERIAL).map_err(|_| "the preset is damaged")?;
     let packed = srbf_core::Material::from_bytes(PACKED).map_err(|_| "the packed preset is damaged")?;
     road::print_checksums("checksum", &material)?;
     road::print_checksums("packed sum", &packed)?;
+    for (name, bytes) in [("brushed sum", BRUSHED), ("brushed, packed sum", BRUSHED_PACKED)] {
+        let brushed = srbf_core::Material::from_bytes(bytes).map_err(|_| "the brushed surface is damaged")?;
+        road::print_checksums(name, &brushed)?;
+    }
     #[cfg(target_os = "none")]
     {
         count::print(&material)?;

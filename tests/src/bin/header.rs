@@ -28,8 +28,10 @@ const SOURCES: &[&str] = &[
     "request",
     "ask",
     "sheet",
+    "blend",
     "environment",
     "reflect",
+    "light",
     "fit",
 ];
 

@@ -5,7 +5,7 @@
 use srbf_core::{Environment, Material, PackOptions, Sheet, environment_len};
 use srbf_tests::attack::TARGETS;
 use srbf_tests::inputs::Random;
-use srbf_tests::kinds::{KINDS, packed};
+use srbf_tests::kinds::{KINDS, packed, turned_materials};
 use srbf_tests::seeds;
 use std::collections::BTreeMap;
 use std::fmt::Write;
@@ -135,11 +135,21 @@ fn materials(files: &mut Files) {
         Sheet::encode(quarters, is_symmetric, "a seed", &mut bytes).expect("valid materials");
         files.insert(format!("sheet/{name}"), bytes);
     }
+    let mut random = Random(13);
+    for n in 0..6u8 {
+        let head = (0..49u8).map(|i| if i == 0 { n + 1 } else { i.wrapping_mul(71).wrapping_add(30 * n) });
+        let material = if n == 0 { seeds::factored() } else { seeds::extreme(&mut random) };
+        files.insert(format!("blend/{n}"), head.chain(material).collect());
+    }
     // Mirrored pairs, and factors.
     for (name, kind, options) in
         [("packed", 3, PackOptions::default()), ("packed-grey", 6, PackOptions { bits: 16, channels: 1 })]
     {
         files.insert(format!("material/{name}"), packed(&KINDS[kind].bytes(), options));
+    }
+    // Grids: with mirrors, with factors, in codes.
+    for (name, bytes) in turned_materials().into_iter().filter(|(_, bytes)| bytes.len() <= 6000) {
+        files.insert(format!("material/{}", name.replace(' ', "-")), bytes);
     }
     files.insert("material/spectral".into(), seeds::spectral());
     let mut random = Random(7);

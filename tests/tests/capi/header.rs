@@ -39,6 +39,25 @@ fn says_what_the_crates_say() {
     assert_eq!(default_of("smoothness"), format!("{:e}.", settings.smoothness));
 }
 
+/// The functions that the head of the header names as enough are there, and are as many as it says.
+#[test]
+fn names_fifteen_functions_that_are_enough() {
+    let header = std::fs::read_to_string(root().join("include/srbf.h")).unwrap();
+    let (_, after) = header.split_once("Fifteen functions").expect("the head lists them");
+    let (list, declarations) = after.split_once("* Words").expect("the words come next");
+    let names: Vec<&str> = list
+        .split(|c: char| !(c.is_alphanumeric() || c == '_'))
+        .filter(|word| word.starts_with("srbf_"))
+        .collect();
+    assert_eq!(names.len(), 15);
+    for name in names {
+        assert!(
+            declarations.contains(&format!(" {name}(")) || declarations.contains(&format!("*{name}(")),
+            "{name}"
+        );
+    }
+}
+
 /// A share of 0 or 1 is no error: whoever sets it is told of its weights.
 #[test]
 fn says_that_a_share_of_one_kind_has_weights_without_a_bound() {

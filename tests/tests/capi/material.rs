@@ -1,9 +1,10 @@
 //! The materials that the C programs work with.
 
 use srbf_core::{
-    FactorTable, Grid, GridView, Line, Material, PlaneLobe, SpectralColumns, SpectralMap, TiltedLobe, View,
-    encoded_len,
+    FactorTable, Grid, GridView, Line, Material, PackOptions, PlaneLobe, SpectralColumns, SpectralMap,
+    TiltedLobe, View, encoded_len,
 };
+use srbf_tests::kinds::packed;
 use std::path::PathBuf;
 use std::sync::OnceLock;
 
@@ -24,6 +25,15 @@ pub fn file() -> PathBuf {
 pub fn anisotropic_file() -> PathBuf {
     static FILE: OnceLock<PathBuf> = OnceLock::new();
     FILE.get_or_init(|| write("anisotropic.srbf", &anisotropic_bytes())).clone()
+}
+
+/// The same in codes of 8 bits.
+pub fn packed_anisotropic_file() -> PathBuf {
+    static FILE: OnceLock<PathBuf> = OnceLock::new();
+    FILE.get_or_init(|| {
+        write("packed_anisotropic.srbf", &packed(&anisotropic_bytes(), PackOptions::default()))
+    })
+    .clone()
 }
 
 /// A `.srbf` file of two views of three grey lobes, with a table of 5 by 4 by 2 factors: see `tests/c/factors.c`.

@@ -1,22 +1,35 @@
 //! C programs against the C library, as its users compile them.
 
 use crate::material;
-use srbf_tests::native::{Language, Link, compilers, library, library_with_planted_panic, root, run_program};
+use srbf_tests::native::{
+    Compiler, Language, Link, compilers, library, library_with_planted_panic, root, run_program,
+};
 use std::path::Path;
 
-/// Compiles a program with every compiler, linked both ways, and runs it on the test material.
-fn run_everywhere(source: &str, expected: &str) {
-    run_everywhere_on(&material::file(), source, expected);
+/// How programs are compiled: the first compiler links statically and the last with the shared library; a single one does both. Links take most of the
+/// time of these tests, so that `normal.c` alone is linked in every way by every compiler.
+fn ways(language: Language) -> [(Compiler, Link); 2] {
+    let compilers = compilers(language);
+    let ends = [compilers.first(), compilers.last()].map(|c| c.expect("a compiler").clone());
+    let [first, last] = ends;
+    [(first, Link::Static), (last, Link::Shared)]
 }
 
-fn run_everywhere_on(material: &Path, source: &str, expected: &str) {
-    for compiler in compilers(Language::C) {
-        for link in [Link::Static, Link::Shared] {
-            let program = compiler.program(source, library(), link, &[]);
-            let output = run_program(&program, &[material.as_os_str()]);
+/// Compiles a program in two ways, and runs it with each list of arguments.
+fn run_with(source: &str, runs: &[&[&Path]], expected: &str) {
+    for (compiler, link) in ways(Language::C) {
+        let program = compiler.program(source, library(), link, &[]);
+        for arguments in runs {
+            let arguments: Vec<_> = arguments.iter().map(|path| path.as_os_str()).collect();
+            let output = run_program(&program, &arguments);
             assert!(output.contains(expected), "{compiler:?} {link:?}: {output}");
         }
     }
+}
+
+/// The same on the test material.
+fn run_everywhere(source: &str, expected: &str) {
+    run_with(source, &[&[&material::file()]], expected);
 }
 
 #[test]
@@ -26,7 +39,13 @@ fn a_program_links_and_finds_its_version() {
 
 #[test]
 fn normal_use() {
-    run_everywhere("normal.c", "normal use: passed");
+    for compiler in compilers(Language::C) {
+        for link in [Link::Static, Link::Shared] {
+            let program = compiler.program("normal.c", library(), link, &[]);
+            let output = run_program(&program, &[material::file().as_os_str()]);
+            assert!(output.contains("normal use: passed"), "{compiler:?} {link:?}: {output}");
+        }
+    }
 }
 
 #[test]
@@ -36,24 +55,29 @@ fn abusive_use() {
 
 #[test]
 fn anisotropic_material() {
-    run_everywhere_on(&material::anisotropic_file(), "anisotropic.c", "anisotropic: passed");
+    let [plain, in_codes] = [material::anisotropic_file(), material::packed_anisotropic_file()];
+    run_with("anisotropic.c", &[&[&plain], &[&in_codes]], "anisotropic: passed");
 }
 
 #[test]
 fn material_with_factors() {
-    run_everywhere_on(&material::factored_file(), "factors.c", "factors: passed");
+    run_with("factors.c", &[&[&material::factored_file()]], "factors: passed");
 }
 
 #[test]
 fn spectra_of_colours() {
-    for file in [material::file(), material::spectral_file(), material::lidar_file()] {
-        run_everywhere_on(&file, "spectrum.c", "spectrum: passed");
-    }
+    let [colours, spectra, lidar] = [material::file(), material::spectral_file(), material::lidar_file()];
+    run_with("spectrum.c", &[&[&colours], &[&spectra], &[&lidar]], "spectrum: passed");
 }
 
 #[test]
 fn environments_are_made_and_sampled() {
     run_everywhere("environment.c", "environment: passed");
+}
+
+#[test]
+fn light_of_any_kind() {
+    run_everywhere("light.c", "light: passed");
 }
 
 #[test]
@@ -64,13 +88,13 @@ fn expanded_material() {
 #[test]
 fn sheets_are_asked_on_both_sides() {
     let sheet = root().join("presets/sheets/ground_glass.srbf");
-    for compiler in compilers(Language::C) {
-        for link in [Link::Static, Link::Shared] {
-            let program = compiler.program("sheet.c", library(), link, &[]);
-            let output = run_program(&program, &[sheet.as_os_str(), material::file().as_os_str()]);
-            assert!(output.contains("sheet: passed"), "{compiler:?} {link:?}: {output}");
-        }
-    }
+    run_with("sheet.c", &[&[&sheet, &material::file()]], "sheet: passed");
+}
+
+#[test]
+fn blends_are_refused_and_asked() {
+    let other = root().join("presets/cayman.srbf");
+    run_with("blend.c", &[&[&material::file(), &other]], "blend: passed");
 }
 
 #[test]
@@ -85,9 +109,9 @@ fn threads_share_a_material() {
 
 #[test]
 fn threads_share_everything() {
-    run_everywhere("shared.c", "shared: passed");
-    run_everywhere_on(&material::factored_file(), "shared.c", "shared: passed");
-    run_everywhere_on(&material::anisotropic_file(), "shared.c", "shared: passed");
+    let [plain, factored] = [material::file(), material::factored_file()];
+    let [turned, in_codes] = [material::anisotropic_file(), material::packed_anisotropic_file()];
+    run_with("shared.c", &[&[&plain], &[&factored], &[&turned], &[&in_codes]], "shared: passed");
 }
 
 #[test]
@@ -97,12 +121,10 @@ fn structures_have_the_layout_that_rust_has() {
 
 #[test]
 fn a_panic_comes_back_as_a_status() {
-    for compiler in compilers(Language::C) {
-        for link in [Link::Static, Link::Shared] {
-            let options = ["-DSRBF_PLANTED_PANIC"];
-            let program = compiler.program("panic.c", library_with_planted_panic(), link, &options);
-            assert!(run_program(&program, &[]).contains("panic: passed"));
-        }
+    for (compiler, link) in ways(Language::C) {
+        let program =
+            compiler.program("panic.c", library_with_planted_panic(), link, &["-DSRBF_PLANTED_PANIC"]);
+        assert!(run_program(&program, &[]).contains("panic: passed"));
     }
 }
 
@@ -113,15 +135,13 @@ fn the_example_of_the_documentation_runs() {
 
 #[test]
 fn the_cpp_wrapper_works() {
-    for compiler in compilers(Language::Cpp) {
+    for (compiler, link) in ways(Language::Cpp) {
         for standard in ["-std=c++17", "-std=c++20", "-std=c++2b"].into_iter().filter(|s| compiler.takes(s)) {
-            for link in [Link::Static, Link::Shared] {
-                let options = [standard, "-Wconversion", "-Wshadow"];
-                let program = compiler.program("wrapper.cpp", library(), link, &options);
-                let (material, sheet) = (material::file(), root().join("presets/sheets/ground_glass.srbf"));
-                let output = run_program(&program, &[material.as_os_str(), sheet.as_os_str()]);
-                assert!(output.contains("wrapper: passed"), "{output}");
-            }
+            let options = [standard, "-Wconversion", "-Wshadow"];
+            let program = compiler.program("wrapper.cpp", library(), link, &options);
+            let (material, sheet) = (material::file(), root().join("presets/sheets/ground_glass.srbf"));
+            let output = run_program(&program, &[material.as_os_str(), sheet.as_os_str()]);
+            assert!(output.contains("wrapper: passed"), "{output}");
         }
     }
 }

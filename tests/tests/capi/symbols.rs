@@ -50,11 +50,21 @@ fn are_declared_documented_and_tested() {
     for (program, others) in [
         (
             "normal.c",
-            &["fit.c", "factors.c", "spectrum.c", "expanded.c", "environment.c", "verbs.c", "sheet.c"][..],
+            &[
+                "fit.c",
+                "factors.c",
+                "spectrum.c",
+                "expanded.c",
+                "environment.c",
+                "light.c",
+                "verbs.c",
+                "sheet.c",
+                "blend.c",
+            ][..],
         ),
-        ("abuse.c", &["fit.c", "expanded.c", "environment.c", "verbs.c", "sheet.c"]),
+        ("abuse.c", &["fit.c", "expanded.c", "environment.c", "light.c", "verbs.c", "sheet.c", "blend.c"]),
     ] {
-        // Fitting, expanded materials, sheets and light have programs of their own for both, normal use of factors one as well.
+        // Fitting, expanded materials, sheets, blends and light have programs of their own for both, normal use of factors one as well.
         let read = |name: &str| {
             std::fs::read_to_string(root().join("tests/c").join(name)).expect("the program is there")
         };

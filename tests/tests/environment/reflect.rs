@@ -6,6 +6,7 @@ use srbf_core::{
     Environment, Error, LIGHT_BLOCK, LightBlock, Lobe, Material, Mixture, Reflection, luminance,
 };
 use srbf_tests::inputs::{Random, levels};
+use srbf_tests::kinds::turned_materials;
 use srbf_tests::maps::{Map, Moments, bright, frame, to_local, to_world};
 use std::path::Path;
 
@@ -22,7 +23,7 @@ fn block(environment: &Environment<Vec<u32>>, random: &mut Random) -> LightBlock
     LightBlock::new(environment, u.each_ref())
 }
 
-/// Presets with and without factors, and lobes of one's own.
+/// Presets with and without factors, a brushed surface, and lobes of one's own.
 fn mixtures() -> Vec<(String, Mixture<'static, 64>)> {
     let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../presets");
     let mut all = Vec::new();
@@ -36,6 +37,15 @@ fn mixtures() -> Vec<(String, Mixture<'static, 64>)> {
         let mut m = Mixture::empty();
         material.prepare(wo, &mut m).unwrap();
         all.push((name.to_owned(), m));
+    }
+    // A brushed surface at three of its turns.
+    let (_, bytes) = turned_materials().swap_remove(0);
+    let material: &'static Material<Vec<u8>> = Box::leak(Box::new(Material::from_bytes(bytes).unwrap()));
+    for wo in [Vec3::new(0.6, 0.0, 0.8), Vec3::new(-0.36, 0.48, 0.8), Vec3::new(0.1, -0.7, 0.707).normalize()]
+    {
+        let mut m = Mixture::empty();
+        material.prepare(wo, &mut m).unwrap();
+        all.push((format!("brushed {wo}"), m));
     }
     let sharp = Lobe::new(Vec3::new(0.5, 0.2, 1.0).normalize(), 400.0, Vec3::new(20.0, 15.0, -1.0)).unwrap();
     let wide = Lobe::new(Vec3::Z, 2.0, Vec3::splat(0.1)).unwrap();

@@ -6,6 +6,7 @@
 //! Two things show in no path, and are not seen: calls of methods, and macros by their bare name.
 
 mod glossary;
+mod links;
 mod one_door;
 mod plain_text;
 mod source;

@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 
 /// Most lines of a page.
 const LINES: &[(&str, usize)] =
-    &[("README.md", 120), ("ARCHITECTURE.md", 150), ("docs/kernels.md", 90), ("CHANGELOG.md", 40)];
+    &[("README.md", 90), ("ARCHITECTURE.md", 150), ("docs/kernels.md", 90), ("CHANGELOG.md", 40)];
 
 /// Most words of a sentence. A semicolon and a colon end one too.
 const WORDS: usize = 25;

@@ -8,6 +8,7 @@ use rand_core::Rng;
 use srbf_core::{Error, Gaussian, LUMINANCE, Lobe, MAX_LOBES, Metropolis, Mixture, Sample};
 use srbf_fit::FitError;
 use srbf_fit::table::evaluation_views::even_views;
+use std::sync::Arc;
 
 /// Outgoing directions that are fitted. Eight or ten is what Cornell measured.
 const VIEWS: usize = 10;
@@ -29,19 +30,26 @@ pub enum How {
 }
 
 /// The lobes of all views.
+#[derive(Clone)]
 pub struct Thesis {
-    fit: ThesisFit,
+    fit: Arc<ThesisFit>,
     how: How,
 }
 
 impl Thesis {
-    /// Fits a reflection.
+    /// Fits a reflection. `edge`: texels along the edge of a face of the cube map, 64 by default.
     ///
     /// # Errors
     /// An anisotropic reflection, and a black one.
-    pub fn fit(reflection: &dyn Reflection, how: How) -> Result<Self, FitError> {
-        let settings = ThesisSettings { lobes: LOBES, ..ThesisSettings::default() };
-        Ok(Self { fit: fit_brdf(reflection, &even_views(VIEWS), &settings)?, how })
+    pub fn fit(reflection: &dyn Reflection, how: How, edge: usize) -> Result<Self, FitError> {
+        let settings = ThesisSettings { lobes: LOBES, edge, ..ThesisSettings::default() };
+        Ok(Self { fit: fit_brdf(reflection, &even_views(VIEWS), &settings)?.into(), how })
+    }
+
+    /// The same lobes, drawn from in another way.
+    #[must_use]
+    pub fn drawn(&self, how: How) -> Self {
+        Self { how, ..self.clone() }
     }
 
     /// What draws, in words.

@@ -64,7 +64,7 @@ pub unsafe extern "C" fn fitter_open(
     answer(opened.map(|opened| Answer { text: opened.json.to_string(), bytes: opened.bytes }))
 }
 
-/// Writes a material in a format: `rgl`, `merl`, `json`, or a language of shaders. 0, or 1 with an error as the text of the answer.
+/// Writes a material in a format: `rgl`, `merl`, or a curve. 0, or 1 with an error as the text of the answer.
 ///
 /// # Safety
 /// Format and material are blocks of `fitter_allocate`, which end here.

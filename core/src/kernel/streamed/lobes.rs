@@ -1,4 +1,4 @@
-//! The lobes of an isotropic material for one outgoing direction, from the rows of its file into groups of sixteen: lanes
+//! The lobes of a material for one outgoing direction, from the rows of its file into groups of sixteen: lanes
 //! are lobes. Sharpness and luminance are left out, which neither sums nor draws need; for one hit the rates of folds too, which
 //! follow from others.
 
@@ -59,12 +59,17 @@ pub(super) fn fill_first<L: Lanes, const FEW: bool>(
         room.get_or_insert(NOT_DECODED).each_mut().map(|numbers| &mut numbers[..])
     });
     row::for_lobes!(FEW, L, groups, rows.total(), |group, at, k| {
-        let lobes = rows.lobes::<L, false>(k);
-        let fold_rate = store_shape(&lobes, group, at);
-        fold_rate.store(&mut group[row::FOLD_RATE][at..]);
-        lobes.sharpness.store(&mut group[row::INVERSE_SHARPNESS][at..]);
-        lobes.luminance.store(&mut group[row::CUMULATIVE][at..]);
+        store_first(&rows.lobes::<L, false>(k), group, at);
     });
+}
+
+/// Stores the numbers of the first stage.
+#[inline(always)]
+pub(in super::super) fn store_first<L: Lanes>(lobes: &Lobes<L>, to: &mut Group, at: usize) {
+    let fold_rate = store_shape(lobes, to, at);
+    fold_rate.store(&mut to[row::FOLD_RATE][at..]);
+    lobes.sharpness.store(&mut to[row::INVERSE_SHARPNESS][at..]);
+    lobes.luminance.store(&mut to[row::CUMULATIVE][at..]);
 }
 
 /// The second stage; returns the power of the lobes.

@@ -1,6 +1,8 @@
 //! One hit on a material: values, densities and draws for one outgoing direction, without a mixture.
 
 #[cfg(feature = "simd")]
+use super::super::among_rings::Frame as TurnedFrame;
+#[cfg(feature = "simd")]
 use super::super::between_views::{Place, head_at, views_passed};
 #[cfg(feature = "simd")]
 use super::super::block::{add, axes, chosen_lobe};
@@ -15,7 +17,7 @@ use super::super::prepare::prepare;
 #[cfg(feature = "simd")]
 use super::super::sights::folded_falloff;
 #[cfg(feature = "simd")]
-use super::lobes::{fill, fold_rate};
+use super::lobes::{fill, fill_second, fold_rate};
 use super::question::{Answer, Hit, Which};
 #[cfg(feature = "simd")]
 use crate::color::luminance;
@@ -43,7 +45,7 @@ use glam::Vec3;
 ///
 /// The lobes go from the bytes of the material through registers, in less time than a mixture takes to be made
 /// and asked. Values and densities are those of the mixture but for rounding, below 1e-5 of the largest; draws
-/// are its draws. An anisotropic material makes a mixture on the stack.
+/// are its draws. Without vectors an anisotropic material makes a mixture on the stack.
 ///
 /// An outgoing direction below the horizon, or none at all (not finite, not of unit length), reflects nothing.
 impl<B: AsRef<[u8]>> Material<B> {
@@ -130,7 +132,7 @@ fn ask_numbers(
 ) -> Answer {
     let level = Level::current();
     let (wo, u, wi) = ([x, y, z], [a, b, c], [ix, iy, iz]);
-    if !material.header.is_isotropic() {
+    if !material.header.is_isotropic() && (cfg!(not(feature = "simd")) || level == Level::Scalar) {
         let Which { draws, evaluates, colors } = which;
         let asked = Asked { u: draws.then_some(u), wi: evaluates.then_some(wi), colors };
         // Room that is not needed is not cleared.
@@ -162,7 +164,31 @@ fn in_groups<const G: usize>(
     wo: [f32; 3],
 ) -> Answer {
     let mut groups = Aligned::<G>::EMPTY;
-    level.run_one::<_, Ask>(Hit { material, u, wi, which, groups: &mut groups.0 }, wo)
+    let groups = &mut groups.0[..];
+    if material.header.is_isotropic() {
+        level.run_one::<_, Ask>(Hit { material, u, wi, which, groups, frame: None }, wo)
+    } else {
+        turned(material, u, wi, which, level, wo, groups)
+    }
+}
+
+/// The same of an anisotropic material: a text of its own fills the lobes.
+#[cfg(feature = "simd")]
+#[inline(never)]
+fn turned(
+    material: MaterialRef<'_>,
+    u: [f32; 3],
+    wi: [f32; 3],
+    which: Which,
+    level: Level,
+    wo: [f32; 3],
+    groups: &mut [Group],
+) -> Answer {
+    let frame = TurnedFrame::of_one(material, wo.into(), level, groups);
+    if !frame.is_there {
+        return Answer::NOTHING;
+    }
+    level.run_one::<_, Ask>(Hit { material, u, wi, which, groups, frame: Some(&frame) }, wo)
 }
 
 /// The same by a mixture on the stack, which only such a call takes.
@@ -182,9 +208,18 @@ fn in_room<'m>(
     level: Level,
     m: &mut AnyMixture<'m>,
 ) -> Answer {
-    let mut answer = Answer::NOTHING;
     if prepare(material, wo, LeaveOut::default(), level, m).is_err() {
-        return answer;
+        return Answer::NOTHING;
+    }
+    ask_mixture(m, asked)
+}
+
+/// Asks a mixture.
+pub(crate) fn ask_mixture(m: &AnyMixture<'_>, asked: Asked) -> Answer {
+    let mut answer = Answer::NOTHING;
+    #[cfg(feature = "simd")]
+    {
+        answer.power = m.power();
     }
     if let Some(u) = asked.u {
         answer.sample = m.sample(u);
@@ -204,7 +239,13 @@ impl One<Hit<'_>> for Ask {
     const IS_WIDE: bool = true;
     #[inline(always)]
     fn run<L: Lanes>(hit: Hit<'_>, wo: [f32; 3]) -> Answer {
-        let Some(outgoing) = facing::<L>(Vec3::from_array(wo)) else { return Answer::NOTHING };
+        #[cfg(feature = "simd")]
+        let framed = hit.frame.map(|frame| frame.outgoing(wo.into()));
+        #[cfg(not(feature = "simd"))]
+        let framed = None;
+        let Some(outgoing) = framed.or_else(|| facing::<L>(Vec3::from_array(wo))) else {
+            return Answer::NOTHING;
+        };
         // A unit vector is no NaN.
         if wo[2] < 0.0 {
             return Answer::NOTHING;
@@ -228,15 +269,22 @@ impl One<Hit<'_>> for Ask {
 #[inline(always)]
 fn answer<L: Lanes, const FEW: bool>(hit: &Hit<'_>, outgoing: &Outgoing, groups: &mut [Group]) -> Answer {
     let (material, header, which) = (hit.material, hit.material.header, hit.which);
-    let place = Place::after(material, views_passed::<L>(material, outgoing.theta), outgoing.theta);
-    let (squeeze, diffuse) = head_at::<L>(material, place);
+    let ([along, inverse], widen, diffuse, lobes_power) = if let Some(frame) = hit.frame {
+        let widen = [1.0 / frame.stretch[0], 1.0 / frame.stretch[1]];
+        let lobes_power = fill_second::<L::Lobes, FEW>(header.lobes, groups);
+        (frame.stretch, widen, frame.diffuse, lobes_power)
+    } else {
+        let place = Place::after(material, views_passed::<L>(material, outgoing.theta), outgoing.theta);
+        let (squeeze, diffuse) = head_at::<L>(material, place);
+        let lobes_power = fill::<L::Lobes, FEW>(material, place, groups);
+        ([1.0, 1.0 / squeeze], [1.0, squeeze], diffuse, lobes_power)
+    };
     let diffuse_power = luminance(Vec3::from_array(diffuse));
-    let lobes_power = fill::<L::Lobes, FEW>(material, place, groups);
     let lobes = Lobes {
         groups,
         count: header.lobe_count(),
         squeezed: header.squeezed,
-        squeeze: Squeeze::new(outgoing.azimuth, 1.0, 1.0 / squeeze),
+        squeeze: Squeeze::new(outgoing.azimuth, along, inverse),
         diffuse,
     };
     let power = lobes_power + diffuse_power;
@@ -245,23 +293,22 @@ fn answer<L: Lanes, const FEW: bool>(hit: &Hit<'_>, outgoing: &Outgoing, groups:
     let inverse_power = if shines { 1.0 / power } else { 0.0 };
     let factors =
         (which.colors && header.has_factors()).then(|| (Nodes::new(material), outgoing.wo.to_array()));
-    let mut answer = Answer::NOTHING;
+    let mut answer = Answer { power: if shines { power } else { 0.0 }, ..Answer::NOTHING };
     // First, as it waits for less: the draw waits for the running sum.
     if which.evaluates {
         (answer.value, answer.pdf) = lobes.towards::<L, FEW>(hit.wi, inverse_power, factors.as_ref());
     }
     if which.draws && shines {
-        let one = L::One::splat(1.0);
         let target = chosen_power(power, L::One::splat(hit.u[0]));
         let k = chosen_lobe::<L::Lobes, FEW>(lobes.groups, lobes.count, target.first());
         let frame = Frame {
-            in_plane: header.mirrored == 0,
+            in_plane: header.mirrored == 0 && hit.frame.is_none(),
             any_squeezed: header.squeezed > 0,
             // Without a branch that depends on the direction.
             any_diffuse: true,
             is_folded: true,
             azimuth: [L::One::splat(outgoing.azimuth[0]), L::One::splat(outgoing.azimuth[1])],
-            widen: [one, L::One::splat(squeeze)],
+            widen: [L::One::splat(widen[0]), L::One::splat(widen[1])],
         };
         let (group, at) = (&lobes.groups[(k / WIDEST).min(lobes.groups.len() - 1)], k % WIDEST);
         let choice = Choice {

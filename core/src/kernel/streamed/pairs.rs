@@ -1,21 +1,18 @@
 //! Many hits, each with an outgoing direction of its own, and perhaps a material of its own, as a wavefront renderer
 //! has them.
 //!
-//! With vectors they are taken in blocks, see `block.rs`; without, and where there are only a few, or some
-//! material is anisotropic, one after the other.
+//! With vectors they are taken in blocks, see `block.rs`; without, and where there are only a few, one after the other.
 
 #[cfg(feature = "simd")]
 use super::super::answers::{LobeSource, answer_block, in_room};
 #[cfg(feature = "simd")]
 use super::super::block::Room;
-#[cfg(feature = "simd")]
-use super::super::each_mixture::by_mixtures;
 use super::super::request::{Request, at};
 #[cfg(feature = "simd")]
 use super::super::slices::Block;
 use super::super::slices::{one_length, same_length};
 #[cfg(feature = "simd")]
-use super::block::Fill;
+use super::block::fill;
 use super::one::{Asked, ask_one};
 use crate::error::Error;
 use crate::material::borrowed::{Material, MaterialRef};
@@ -69,6 +66,11 @@ impl<B: AsRef<[u8]>> Material<B> {
     }
 }
 
+/// [`Material::ask`] of what kernels read, of slices that have been checked.
+pub(crate) fn ask_material(material: MaterialRef<'_>, wo: [&[f32]; 3], request: &mut Request<'_>) {
+    ask(Asking::One(material), wo, request);
+}
+
 /// [`Material::ask_each`] of what kernels read, of slices that have been checked.
 pub(crate) fn ask_materials(materials: &[MaterialRef<'_>], wo: [&[f32]; 3], request: &mut Request<'_>) {
     ask(Asking::Each(&|i| materials[i]), wo, request);
@@ -102,12 +104,6 @@ fn ask(source: Asking<'_, '_>, wo: [&[f32]; 3], request: &mut Request<'_>) {
     if n >= FEW {
         let level = Level::current();
         if level != Level::Scalar {
-            if let Asking::One(material) = source
-                && !material.header.is_isotropic()
-            {
-                by_mixtures(material, wo, level, request);
-                return;
-            }
             let count = |i| source.get(i).header.lobe_count();
             let most = match source {
                 Asking::One(_) => count(0),
@@ -169,11 +165,7 @@ fn in_blocks(
                     prefetch_lines::<3>(material.bytes, 0);
                 }
             }
-            if hits.materials.iter().all(|material| material.header.is_isotropic()) {
-                answer_block(level, &mut hits, block, Some(wo), request, &mut room);
-            } else {
-                one_by_one(source, wo, request, from..from + count);
-            }
+            answer_block(level, &mut hits, block, Some(wo), request, &mut room);
         }
     });
 }
@@ -192,7 +184,7 @@ struct Files<'a, 'm> {
 impl LobeSource for Files<'_, '_> {
     fn fill(&mut self, room: &mut Room) -> [&[Group]; WIDEST] {
         let &mut Self { level, ref materials, count, ref mut groups, groups_of_hit } = self;
-        level.run_vectors(Fill { materials, count, room, groups, groups_of_hit });
+        fill(level, materials, count, room, groups, groups_of_hit);
         core::array::from_fn(|i| &groups[i.min(count - 1) * groups_of_hit..][..groups_of_hit])
     }
 

@@ -11,10 +11,19 @@ pub(crate) struct Answer {
     /// Towards the other direction.
     pub value: Vec3,
     pub pdf: f32,
+    /// Luminance of the albedo, without factors.
+    #[cfg(feature = "simd")]
+    pub power: f32,
 }
 
 impl Answer {
-    pub const NOTHING: Self = Self { sample: None, value: Vec3::ZERO, pdf: 0.0 };
+    pub const NOTHING: Self = Self {
+        sample: None,
+        value: Vec3::ZERO,
+        pdf: 0.0,
+        #[cfg(feature = "simd")]
+        power: 0.0,
+    };
 }
 
 /// The kind of a question, without its numbers.
@@ -34,4 +43,7 @@ pub(super) struct Hit<'a> {
     /// Room for the lobes.
     #[cfg(feature = "simd")]
     pub groups: &'a mut [crate::mixture::row::Group],
+    /// Of an anisotropic material, whose lobes are in that room.
+    #[cfg(feature = "simd")]
+    pub frame: Option<&'a crate::kernel::among_rings::Frame>,
 }

@@ -20,6 +20,12 @@ impl Size {
         Self { nodes, is_signed: true }
     }
 
+    /// Bytes of the table in a material of some views: the head of the block, that of the table, the largest factor, and the albedo
+    /// differences; then the nodes.
+    pub const fn bytes(self, views: usize) -> usize {
+        (8 + 4 + 4 + 12 * views + 3 * self.count()).next_multiple_of(4)
+    }
+
     /// The number of nodes.
     pub const fn count(self) -> usize {
         self.nodes[0] * self.nodes[1] * self.nodes[2]

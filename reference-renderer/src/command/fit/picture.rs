@@ -16,19 +16,28 @@ use std::path::{Path, PathBuf};
 /// The picture of a fit.
 #[derive(Debug, clap::Args)]
 pub struct Args {
-    /// The picture to write; by default the name of the material with .png. It shows the fit beside its data: curves in the
-    /// plane of incidence, discs, balls and the verdict, as `srbf plot` does of a fit that is there already.
+    /// The picture to write; by default the name of the material with .png. It shows the fit beside its data: the sentence of the verdict,
+    /// balls, curves in the plane of incidence and discs, as `srbf plot` does of a fit that is there already.
     #[arg(long, value_name = "OUT.png")]
     picture: Option<PathBuf>,
     /// Draws no picture.
     #[arg(long, conflicts_with = "picture")]
     no_picture: bool,
-    /// Also writes a page of HTML beside the picture, with the verdict and the tables; it needs no other file and no network.
+    /// Also writes a page of HTML beside the picture, the one that `srbf view` shows; it needs no other file and no network.
     #[arg(long, conflicts_with = "no_picture")]
     html: bool,
     /// The light of the balls: sky, haze, constant:VALUE, or a latitude-longitude map in a .hdr or .exr file
     #[arg(long, conflicts_with = "no_picture", default_value = plot::LIGHT)]
     env: String,
+    /// Stops to brighten the balls by, from the exposure of the light, as in `srbf ball`
+    #[arg(
+        long,
+        conflicts_with = "no_picture",
+        default_value_t = 0.0,
+        allow_negative_numbers = true,
+        value_name = "STOPS"
+    )]
+    exposure: f32,
 }
 
 impl Args {
@@ -41,6 +50,7 @@ impl Args {
             !self.html || method == MethodName::Tracked,
             "--html: only fits of our own method can be drawn"
         );
+        argument::check_stops(self.exposure)?;
         if let Some(path) = &self.picture {
             ensure!(method == MethodName::Tracked, "--picture: only fits of our own method can be drawn");
             ensure!(places.len() == 1, "--picture {}: it is of one file", shown(path));
@@ -87,8 +97,8 @@ impl Args {
         words: &[String],
     ) -> anyhow::Result<()> {
         let name = output.file_stem().unwrap_or_default().to_string_lossy();
-        let light =
-            Light { name: &self.env, environment: light, samples: plot::SAMPLES, stops: 0.0, turn: 0.0 };
+        let (samples, stops) = (plot::SAMPLES, self.exposure);
+        let light = Light { name: &self.env, environment: light, samples, stops, turn: 0.0 };
         let stored = StoredMaterial::new(&name, bytes.into())?;
         plot::write(path, stored, Some(Beside::new(source)?), light, words)?;
         Ok(())

@@ -3,7 +3,7 @@
 use super::names::{self, Job};
 use super::{Args, fit_page, words};
 use crate::out::output;
-use crate::out::print::shown;
+use crate::out::print::{data, shown};
 use crate::out::progress::Progress;
 use crate::truth::stored::QUARTERS;
 use anyhow::{Context, bail};
@@ -54,19 +54,14 @@ pub fn fit(args: &Args, place: &Job, picture: Option<&Path>, mut sheet: SheetSou
             picture.zip(light.as_ref()).zip(sheet.quarters[*quarter as usize].take())
         {
             let path = picture_of(path, *quarter);
-            args.picture.write(&path, &path, light, (fit.bytes.clone(), source), &words)?;
             if let Some(page) = args.picture.page(&path) {
                 let title = place.output.file_stem().unwrap_or_default().to_string_lossy();
-                let subject = fit_page::Subject {
-                    name: &format!("{title}, {own}"),
-                    words: &words,
-                    report: Some(&fit.report),
-                    picture: &path,
-                    next: None,
-                };
-                fit_page::write(&page, &subject)?;
+                let (name, report) = (format!("{title}, {own}"), Some(&fit.report));
+                let opened = fit_page::opened(&name, &fit.bytes, report, Some(&source.content))?;
+                fit_page::write(&page, opened, &words)?;
                 pictures.push(page);
             }
+            args.picture.write(&path, &path, light, (fit.bytes.clone(), source), &words)?;
             pictures.push(path);
         }
     }
@@ -75,7 +70,7 @@ pub fn fit(args: &Args, place: &Job, picture: Option<&Path>, mut sheet: SheetSou
     output::write(&names::report(&place.output), json.as_bytes())?;
     files.commit()?;
     if args.words.is_json() {
-        print!("{json}");
+        data(&json);
         return Ok(());
     }
     say(&place.output, &notes, &fit);

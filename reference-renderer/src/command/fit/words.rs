@@ -3,7 +3,7 @@
 use super::method::Baseline;
 use super::names::{self, Job};
 use crate::command::view_table;
-use crate::out::print::shown;
+use crate::out::print::{data, shown};
 use srbf_core::Material;
 use srbf_fit::judge::cross::CrossValidation;
 use srbf_fit::judge::method::Fitted;
@@ -79,7 +79,7 @@ impl Args {
         let judged = if material.is_some() { Verdict::of_material } else { Verdict::new };
         let words = view_table::words(report, &judged(report, &reciprocity));
         if self.json {
-            print!("{json}");
+            data(json);
             return Ok(words);
         }
         println!("{heading}");

@@ -1,7 +1,9 @@
-//! A server of a few files on the loopback address.
+//! A server of a few files on the loopback address, which answers questions of its page.
 //!
-//! It answers GET and HEAD, a connection a request, and reads no content of a request. Pages of other origins get nothing: a request has to
-//! name the address as its host, and no other origin may embed the files. Clients have [`Bounds`], and none of them ends the server.
+//! It answers GET and HEAD, a connection a request. POST asks a question about a file, which is its content: its answer is lines with the
+//! share that is done, then `done` and the length of a text, the text, and bytes; or `error` and a sentence. Pages of other origins get
+//! nothing: a request has to name the address as its host, a question as its origin too, and no other origin may embed the files. Clients
+//! have [`Bounds`], and none of them ends the server.
 
 use anyhow::{Context, ensure};
 use std::io::{self, Read, Write};
@@ -21,6 +23,8 @@ struct Bounds {
     asking: Duration,
     /// Time for the whole answer: through a slow tunnel the page takes a minute.
     answering: Duration,
+    /// Most bytes of the content of a question.
+    content: usize,
     /// Pause after a connection that the system could not give, as where too many files are open.
     pause: Duration,
 }
@@ -31,11 +35,16 @@ const BOUNDS: Bounds = Bounds {
     head: 8192,
     asking: Duration::from_secs(10),
     answering: Duration::from_secs(120),
+    content: 1 << 28,
     pause: Duration::from_millis(100),
 };
 
 /// Files by name.
 type Files = Vec<(&'static str, Vec<u8>)>;
+
+/// A question of the page: a verb, the name of a file or a format, and the bytes of the file. It tells the share that is done.
+pub type Ask<'a> =
+    dyn Fn(&str, &str, &[u8], &mut (dyn FnMut(f64) + Send)) -> Result<(String, Vec<u8>), String> + Sync + 'a;
 
 /// A server whose port is open.
 pub struct Server {
@@ -65,16 +74,18 @@ impl Server {
     ///
     /// # Errors
     /// Where there is no thread at all for requests.
-    pub fn run(self, files: &Files) -> anyhow::Result<()> {
+    pub fn run(self, files: &Files, ask: &Ask<'_>) -> anyhow::Result<()> {
         let Self { listener, port, bounds } = self;
         // Without room: a connection is handed over where a thread is free for it.
         let (give, taken) = sync_channel::<TcpStream>(0);
         let taken = Mutex::new(taken);
         let next = || taken.lock().unwrap_or_else(PoisonError::into_inner).recv();
+        // A fit takes all processors: one question at a time.
+        let ask = Mutex::new(ask);
         let work = || {
             while let Ok(stream) = next() {
                 // A connection that fails is the browser's to repeat.
-                let _ = answer(stream, files, port, bounds);
+                let _ = answer(stream, files, &ask, port, bounds);
             }
         };
         std::thread::scope(|scope| {
@@ -124,7 +135,13 @@ impl Write for Timed {
 }
 
 /// Answers a request.
-fn answer(stream: TcpStream, files: &Files, port: u16, bounds: Bounds) -> io::Result<()> {
+fn answer(
+    stream: TcpStream,
+    files: &Files,
+    ask: &Mutex<&Ask<'_>>,
+    port: u16,
+    bounds: Bounds,
+) -> io::Result<()> {
     let mut stream = Timed { stream, end: Instant::now() + bounds.asking };
     let (mut head, mut part) = (Vec::new(), [0; 1024]);
     while head.len() <= bounds.head && !head.windows(4).any(|end| end == b"\r\n\r\n") {
@@ -134,7 +151,14 @@ fn answer(stream: TcpStream, files: &Files, port: u16, bounds: Bounds) -> io::Re
         }
         head.extend_from_slice(&part[..count]);
     }
-    let (status, kind, body) = if head.len() > bounds.head {
+    let end = head.windows(4).position(|end| end == b"\r\n\r\n");
+    let asked = end.and_then(|end| question(&String::from_utf8_lossy(&head[..end]), port, bounds.content));
+    let (status, kind, body) = if let (Some(Ok(question)), Some(end)) = (&asked, end) {
+        let begun = head.split_off(end + 4);
+        return answer_question(stream, question, begun, ask, bounds);
+    } else if let Some(Err((status, body))) = asked {
+        (status, PLAIN, body.as_bytes())
+    } else if head.len() > bounds.head {
         ("431 Request Header Fields Too Large", PLAIN, &b"the head is too long\n"[..])
     } else {
         found(&String::from_utf8_lossy(&head), files, port)
@@ -149,6 +173,91 @@ fn answer(stream: TcpStream, files: &Files, port: u16, bounds: Bounds) -> io::Re
     stream.flush()
 }
 
+/// A question: its verb, the name or format, and the length of the content.
+struct Question {
+    verb: String,
+    with: String,
+    length: usize,
+}
+
+/// The question of the head of a request; `None` for a request of another kind, and an error with its status for one that is refused.
+fn question(head: &str, port: u16, most: usize) -> Option<Result<Question, (&'static str, &'static str)>> {
+    let mut lines = head.lines();
+    let path = lines.next()?.strip_prefix("POST /")?.split(' ').next()?;
+    let (verb, with) = path.split_once('?').filter(|(verb, _)| ["open", "export"].contains(verb))?;
+    let fields: Vec<_> = lines.filter_map(|line| line.split_once(':')).collect();
+    let field = |wanted: &str| fields.iter().find(|(name, _)| name.eq_ignore_ascii_case(wanted));
+    let field = |wanted: &str| field(wanted).map_or("", |(_, value)| value.trim());
+    let own = [format!("127.0.0.1:{port}"), format!("localhost:{port}")];
+    let is_own = own.iter().any(|own| field("host") == own && field("origin") == format!("http://{own}"));
+    if !is_own {
+        return Some(Err(("403 Forbidden", "the page of this server alone may ask\n")));
+    }
+    let length = field("content-length").parse().ok().filter(|length| *length <= most);
+    let Some(length) = length.filter(|_| field("transfer-encoding").is_empty()) else {
+        return Some(Err(("413 Content Too Large", "a file of at most 268435456 bytes is expected\n")));
+    };
+    Some(Ok(Question { verb: verb.to_owned(), with: unescaped(with), length }))
+}
+
+/// A text in which bytes are written as %XX.
+fn unescaped(text: &str) -> String {
+    let mut bytes = Vec::with_capacity(text.len());
+    let mut parts = text.split('%');
+    bytes.extend_from_slice(parts.next().unwrap_or_default().as_bytes());
+    for part in parts {
+        let byte = part.get(..2).and_then(|digits| u8::from_str_radix(digits, 16).ok());
+        bytes.push(byte.unwrap_or(b'%'));
+        bytes
+            .extend_from_slice(part.as_bytes().get(if byte.is_some() { 2 } else { 0 }..).unwrap_or_default());
+    }
+    String::from_utf8_lossy(&bytes).into_owned()
+}
+
+/// Reads the content of a question, asks, and writes the answer as it comes.
+fn answer_question(
+    mut stream: Timed,
+    question: &Question,
+    mut content: Vec<u8>,
+    ask: &Mutex<&Ask<'_>>,
+    bounds: Bounds,
+) -> io::Result<()> {
+    // One content in memory at a time.
+    let ask = ask.lock().unwrap_or_else(PoisonError::into_inner);
+    stream.end = Instant::now() + bounds.answering;
+    let mut part = [0; 1 << 16];
+    while content.len() < question.length {
+        let count = stream.read(&mut part)?;
+        if count == 0 {
+            return Ok(());
+        }
+        content.extend_from_slice(&part[..count]);
+    }
+    content.truncate(question.length);
+    let head = "HTTP/1.1 200 OK\r\nContent-Type: application/octet-stream\r\nCache-Control: no-store\r\nCross-Origin-Resource-Policy: same-origin\r\nX-Content-Type-Options: nosniff\r\nConnection: close\r\n\r\n";
+    let mut write = |bytes: &[u8]| {
+        stream.end = Instant::now() + bounds.answering;
+        stream.write_all(bytes)
+    };
+    write(head.as_bytes())?;
+    let mut told = 0.0;
+    let mut progress = |share: f64| {
+        if share >= told + 0.01 || share >= 1.0 {
+            told = share;
+            // Who went away is not told; the fit ends by itself.
+            let _ = write(format!("share {share:.3}\n").as_bytes());
+        }
+    };
+    let answer = (*ask)(&question.verb, &question.with, &content, &mut progress);
+    match answer {
+        Ok((text, bytes)) => {
+            write(format!("done {}\n{text}", text.len()).as_bytes())?;
+            write(&bytes)
+        }
+        Err(text) => write(format!("error {}\n", text.replace('\n', " ")).as_bytes()),
+    }
+}
+
 /// The type of messages.
 const PLAIN: &str = "text/plain; charset=utf-8";
 
@@ -158,7 +267,7 @@ fn found<'f>(head: &str, files: &'f Files, port: u16) -> (&'static str, &'static
     let mut request = lines.next().unwrap_or_default().split(' ');
     let (method, path) = (request.next().unwrap_or_default(), request.next().unwrap_or_default());
     if !["GET", "HEAD"].contains(&method) {
-        return ("405 Method Not Allowed", PLAIN, b"only files are given\n");
+        return ("405 Method Not Allowed", PLAIN, b"files are given, and questions of the page answered\n");
     }
     let fields: Vec<_> = lines.filter_map(|line| line.split_once(':')).collect();
     let field = |wanted: &str| fields.iter().find(|(name, _)| name.eq_ignore_ascii_case(wanted));
@@ -234,7 +343,15 @@ mod tests {
         let server = Server { bounds, ..Server::bind(0).unwrap() };
         let port = server.port;
         assert_eq!(server.address(), format!("http://127.0.0.1:{port}/"));
-        std::thread::spawn(move || server.run(&files));
+        std::thread::spawn(move || {
+            server.run(&files, &|verb, with, bytes, progress| {
+                progress(0.5);
+                match verb {
+                    "open" => Ok((format!("{with}: {}", bytes.len()), bytes.to_vec())),
+                    _ => Err(format!("{with} is\nno format")),
+                }
+            })
+        });
         port
     }
 
@@ -266,6 +383,36 @@ mod tests {
         assert!(text.contains("Content-Length: 4") && text.ends_with("\r\n\r\n"), "{text}");
         // A port that is taken is an error.
         assert!(Server::bind(port).is_err());
+    }
+
+    #[test]
+    fn questions_of_the_page_are_answered() {
+        let port = start(BOUNDS, files());
+        let post = |path: &str, origin: &str, content: &str| {
+            let length = content.len();
+            let head = format!(
+                "POST {path} HTTP/1.1\r\nHost: 127.0.0.1:{port}\r\nOrigin: {origin}\r\nContent-Length: {length}\r\n\r\n{content}"
+            );
+            answered(connected(port), &head)
+        };
+        let own = format!("http://127.0.0.1:{port}");
+        let text = post("/open?a%20%C3%A4%zz.csv", &own, "samples");
+        assert!(text.ends_with("\r\n\r\nshare 0.500\ndone 14\na \u{e4}%zz.csv: 7samples"), "{text}");
+        let text = post("/export?x", &own, "");
+        assert!(text.ends_with("share 0.500\nerror x is no format\n"), "{text}");
+        // Of other pages, and of none.
+        for origin in ["http://example.org", "null", "", "http://127.0.0.1:1"] {
+            assert!(post("/open?a", origin, "x").starts_with("HTTP/1.1 403 "), "{origin}");
+        }
+        assert!(post("/other?a", &own, "x").starts_with("HTTP/1.1 405 "));
+        let head = |length: &str| {
+            format!(
+                "POST /open?a HTTP/1.1\r\nHost: 127.0.0.1:{port}\r\nOrigin: {own}\r\nContent-Length: {length}\r\n\r\n"
+            )
+        };
+        for length in ["268435457", "-1", "99999999999999999999", "x", ""] {
+            assert!(answered(connected(port), &head(length)).starts_with("HTTP/1.1 413 "), "{length}");
+        }
     }
 
     /// Little time for each part.

@@ -53,8 +53,8 @@ fn quote(field: &str) -> String {
 pub fn print(comparison: &Comparison) {
     println!("{}", comparison.title());
     println!(
-        "{:>16} {:>9} {:>10} {:>22} {:>22}",
-        "method", "samples", "seconds", "relative MSE", "with the worst pixels"
+        "{:>16} {:>8} {:>9} {:>20} {:>20}",
+        "method", "samples", "seconds", "relative MSE", "with worst pixels"
     );
     for curve in &comparison.curves {
         for point in &curve.points {
@@ -62,7 +62,7 @@ pub fn print(comparison: &Comparison) {
             let (samples, seconds) = (point.samples, point.seconds);
             let [mse, whole] =
                 [point.mse, point.whole_mse].map(|e| format!("{:.3e} +- {:.0e}", e.mean, e.error));
-            println!("{:>16} {samples:>9} {seconds:>10.4} {mse:>22} {whole:>22}{mark}", curve.method);
+            println!("{:>16} {samples:>8} {seconds:>9.4} {mse:>20} {whole:>20}{mark}", curve.method);
         }
     }
     println!("{}", reference(comparison));
@@ -82,10 +82,10 @@ pub fn reference(comparison: &Comparison) -> String {
 /// A line for each method: slope, time of a sample, error as a multiple of the first method's, bias.
 pub fn summary(comparison: &Comparison) -> String {
     let mut text = format!(
-        "{:>16} {:>7} {:>15} {:>20} {:>20} {:>12}",
+        "{:>16} {:>6} {:>10} {:>17} {:>17} {:>9}",
         "method",
         "slope",
-        "time of sample",
+        "time of 1",
         format!("MSE at {:.3} s", comparison.common_seconds()),
         "at equal samples",
         "bias"
@@ -97,7 +97,7 @@ pub fn summary(comparison: &Comparison) -> String {
         };
         let _ = write!(
             text,
-            "\n{:>16} {:>7} {:>15} {:>20} {:>20} {:>12}",
+            "\n{:>16} {:>6} {:>10} {:>17} {:>17} {:>9}",
             curve.method,
             or_dash(curve.slope(), 3),
             or_dash(ratios.time_of_sample, 2),

@@ -77,6 +77,9 @@ pub fn reflect(
         shadow: None,
         ray_light: own.light,
         shadow_light: Vec3::ZERO,
+        // The radiance of the map is the truth.
+        ray_factor: 0.0,
+        shadow_factor: 0.0,
         shadow_value: Vec3::ZERO,
         ray_value: values[LIGHT_BLOCK],
         block_sum: of_block.iter().sum::<Vec3>() / LIGHT_BLOCK as f32,

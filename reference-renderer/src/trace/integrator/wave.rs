@@ -104,7 +104,7 @@ fn meet<'a>(
     room: &mut Room<'a>,
 ) {
     room.hits.clear();
-    for traveller in room.alive.drain(..) {
+    for mut traveller in room.alive.drain(..) {
         let Some(surface) = scene.hit(&traveller.ray) else {
             light[traveller.index] += escaped(scene, settings, &traveller);
             continue;
@@ -119,6 +119,7 @@ fn meet<'a>(
             scene.environment.prefetch_place(place);
             place
         });
+        traveller.throughput *= surface.tint.unwrap_or(Vec3::ONE);
         let frame = Frame::new(&surface, -traveller.ray.direction);
         room.hits.push(Hit { traveller, frame, material, place });
     }

@@ -72,8 +72,17 @@ fn from_hdr(bytes: &[u8], projection: Projection) -> anyhow::Result<Environment>
     Map { width: width as usize, pixels }.environment(projection)
 }
 
-/// Reads the first layer of an OpenEXR picture that has R, G and B channels.
 fn from_exr(bytes: &[u8], projection: Projection) -> anyhow::Result<Environment> {
+    let (width, pixels) = exr_pixels(bytes)?;
+    check_size(width, pixels.len() / width.max(1), projection)?;
+    Map { width, pixels: without_negatives(pixels)? }.environment(projection)
+}
+
+/// Reads the first layer of an OpenEXR picture that has R, G and B channels: columns, and rows from the top.
+///
+/// # Errors
+/// Names the fault.
+pub fn exr_pixels(bytes: &[u8]) -> anyhow::Result<(usize, Vec<Vec3>)> {
     use exr::prelude::{ReadChannels, ReadLayers};
     let headers = exr::meta::MetaData::read_from_buffered(Cursor::new(bytes), false)
         .context("not an OpenEXR picture")?
@@ -95,9 +104,7 @@ fn from_exr(bytes: &[u8], projection: Projection) -> anyhow::Result<Environment>
         .non_parallel()
         .from_buffered(Cursor::new(bytes))
         .context("the pixels of the OpenEXR picture (R, G and B channels are expected)")?;
-    let (width, pixels) = picture.layer_data.channel_data.pixels;
-    check_size(width, pixels.len() / width.max(1), projection)?;
-    Map { width, pixels: without_negatives(pixels)? }.environment(projection)
+    Ok(picture.layer_data.channel_data.pixels)
 }
 
 /// How far below 0 a value may be, over the largest of the map: lossy compression leaves such.

@@ -1,9 +1,10 @@
-//! Reads meshes: Wavefront `.obj` and `.ply`. Only positions and faces are used; the normals are made smooth.
+//! Reads meshes: Wavefront `.obj` and `.ply`. Positions, faces and coordinates on maps are used; the normals are made smooth.
 
 use super::Mesh;
-use super::build::{add_fan, build, vertex};
+use super::build::{add_fan, build, coordinates, vertex};
 use crate::out::print::{ending, shown};
 use anyhow::{Context, bail, ensure};
+use glam::Vec2;
 use std::path::Path;
 
 /// Largest file that is read, bytes.
@@ -32,6 +33,7 @@ pub fn from_bytes(bytes: &[u8], ending: &str) -> anyhow::Result<Mesh> {
 
 fn from_obj(bytes: &[u8]) -> anyhow::Result<Mesh> {
     let (mut positions, mut triangles, mut polygon) = (Vec::new(), Vec::new(), Vec::new());
+    let (mut places, mut mapped, mut map_polygon) = (Vec::<Vec2>::new(), Vec::new(), Vec::new());
     for (number, line) in bytes.split(|&b| b == b'\n').enumerate() {
         // Comments and names may be in any encoding.
         let line = String::from_utf8_lossy(line);
@@ -39,19 +41,29 @@ fn from_obj(bytes: &[u8]) -> anyhow::Result<Mesh> {
         let read = || -> anyhow::Result<()> {
             match words.next() {
                 Some("v") => {
-                    let mut coordinate = || -> anyhow::Result<f32> {
-                        let word = words.next().context("a vertex has three coordinates")?;
-                        word.parse().with_context(|| format!("a coordinate is expected, found {word}"))
-                    };
-                    positions.push(vertex([coordinate()?, coordinate()?, coordinate()?])?);
+                    let mut next = || coordinate(words.next().context("a vertex has three coordinates")?);
+                    positions.push(vertex([next()?, next()?, next()?])?);
+                }
+                Some("vt") => {
+                    // The second may be missing, and a third may follow.
+                    let first = coordinate(words.next().context("coordinates on a map are expected")?)?;
+                    let second = words.next().map_or(Ok(0.0), coordinate)?;
+                    places.push(coordinates([first, second])?);
                 }
                 Some("f") => {
                     polygon.clear();
+                    map_polygon.clear();
                     for word in words {
-                        polygon.push(obj_index(word, positions.len())?);
+                        let mut numbers = word.split('/');
+                        polygon.push(obj_index(numbers.next().unwrap_or_default(), positions.len(), word)?);
+                        // A corner without coordinates lies at 0.
+                        let number = numbers.next().filter(|number| !number.is_empty() && !places.is_empty());
+                        let place = number.map(|number| obj_index(number, places.len(), word)).transpose()?;
+                        map_polygon.push(place.map_or(Vec2::ZERO, |i| places[i as usize]));
                     }
                     ensure!(polygon.len() >= 3, "a face of at least three vertices is expected");
                     add_fan(&polygon, &mut triangles);
+                    add_fan(&map_polygon, &mut mapped);
                 }
                 _ => {}
             }
@@ -59,12 +71,19 @@ fn from_obj(bytes: &[u8]) -> anyhow::Result<Mesh> {
         };
         read().with_context(|| format!("line {}", number + 1))?;
     }
-    build(positions, triangles)
+    if places.is_empty() {
+        mapped.clear();
+    }
+    build(positions, triangles, mapped)
 }
 
-/// The vertex that `7`, `7/1`, `7//3` or `-1` names, of those read so far.
-fn obj_index(word: &str, count: usize) -> anyhow::Result<u32> {
-    let number: Option<i64> = word.split('/').next().and_then(|n| n.parse().ok());
+fn coordinate(word: &str) -> anyhow::Result<f32> {
+    word.parse().with_context(|| format!("a coordinate is expected, found {word}"))
+}
+
+/// The entry that `7` or `-1` names, of those read so far, in a corner such as `7/1` or `7//3`.
+fn obj_index(number: &str, count: usize, word: &str) -> anyhow::Result<u32> {
+    let number: Option<i64> = number.parse().ok();
     let index = match number {
         Some(n) if n > 0 => Some(n - 1),
         Some(n) if n < 0 => n.checked_add(count as i64),
@@ -89,6 +108,21 @@ mod tests {
         let mesh = from_obj(CUBE_CORNER.as_bytes()).unwrap();
         assert_eq!(mesh.triangles, [[0, 1, 2], [0, 2, 3]]);
         assert!(mesh.normals.iter().all(|&n| n == Vec3::Z));
+    }
+
+    #[test]
+    fn corners_have_coordinates_of_their_own() {
+        let text =
+            "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nvt 0.5\nvt 0.25 0.75 0\nf 1/1 1/1 2/2\nf 1/1 2/-1 3/2 4\n";
+        let mesh = from_obj(text.as_bytes()).unwrap();
+        let [a, b] = [Vec2::new(0.5, 0.0), Vec2::new(0.25, 0.75)];
+        // The first face has no area, and is left out with its coordinates.
+        assert_eq!(mesh.coordinates, [[a, b, b], [a, b, Vec2::ZERO]]);
+        assert!(from_obj(CUBE_CORNER.as_bytes()).unwrap().coordinates.is_empty());
+        for wrong in ["vt nan 0\n", "vt\n", "vt 0 x\n", "vt 0 0\nv 0 0 0\nf 1/2 1 1\n"] {
+            assert!(from_obj([text, wrong].concat().as_bytes()).is_err() || wrong.contains("1/2"), "{wrong}");
+        }
+        assert!(from_obj(b"v 0 0 0\nvt 0 0\nf 1/2 1 1").is_err());
     }
 
     #[test]

@@ -1,9 +1,9 @@
 //! Reads `.ply`, text and little-endian binary.
 
 use super::Mesh;
-use super::build::{add_fan, build, vertex};
+use super::build::{add_fan, build, coordinates, vertex};
 use anyhow::{Context, bail, ensure};
-use glam::Vec3;
+use glam::{Vec2, Vec3};
 
 /// Most vertices of one face.
 const MAX_POLYGON: usize = 1024;
@@ -77,7 +77,8 @@ impl Numbers<'_> {
     }
 }
 
-/// Reads a mesh: x, y and z of the element `vertex`, the list `vertex_indices` of the element `face`.
+/// Reads a mesh: x, y and z of the element `vertex`, the list `vertex_indices` of the element `face`; coordinates on maps of either, u and v
+/// of a vertex (s and t, texture_u and texture_v) or the list `texcoord` of a face.
 pub fn from_ply(bytes: &[u8]) -> anyhow::Result<Mesh> {
     let (elements, is_text, body) = header(bytes)?;
     let mut numbers = if is_text {
@@ -86,10 +87,12 @@ pub fn from_ply(bytes: &[u8]) -> anyhow::Result<Mesh> {
         Numbers::Binary(body)
     };
     let (mut positions, mut triangles, mut polygon) = (Vec::<Vec3>::new(), Vec::new(), Vec::new());
+    let (mut places, mut mapped, mut is_mapped) = (Vec::<Vec2>::new(), Vec::new(), false);
     for element in &elements {
         for row in 0..element.rows {
             let mut read = || -> anyhow::Result<()> {
-                let mut position = [f32::NAN; 3];
+                let (mut position, mut place) = ([f32::NAN; 3], [0.0; 2]);
+                let (mut face, mut on_map) = (Vec::<u32>::new(), Vec::<f64>::new());
                 for property in &element.properties {
                     let length = match property.count {
                         None => 1,
@@ -104,6 +107,11 @@ pub fn from_ply(bytes: &[u8]) -> anyhow::Result<Mesh> {
                         ("vertex", "x", false) => position[0] = polygon[0] as f32,
                         ("vertex", "y", false) => position[1] = polygon[0] as f32,
                         ("vertex", "z", false) => position[2] = polygon[0] as f32,
+                        ("vertex", "u" | "s" | "texture_u", false) => {
+                            (place[0], is_mapped) = (polygon[0] as f32, true);
+                        }
+                        ("vertex", "v" | "t" | "texture_v", false) => place[1] = polygon[0] as f32,
+                        ("face", "texcoord", true) => on_map.clone_from(&polygon),
                         ("face", "vertex_indices" | "vertex_index", true) => {
                             let inside = |i: &f64| (0.0..positions.len() as f64).contains(i);
                             ensure!(
@@ -111,21 +119,37 @@ pub fn from_ply(bytes: &[u8]) -> anyhow::Result<Mesh> {
                                 "at least three numbers of the {} vertices are expected",
                                 positions.len()
                             );
-                            let polygon: Vec<u32> = polygon.iter().map(|&i| i as u32).collect();
-                            add_fan(&polygon, &mut triangles);
+                            face = polygon.iter().map(|&i| i as u32).collect();
                         }
                         _ => {}
                     }
                 }
                 if element.name == "vertex" {
                     positions.push(vertex(position)?);
+                    places.push(coordinates(place)?);
                 }
+                let corners: Vec<Vec2> = if on_map.is_empty() {
+                    face.iter().map(|&i| places[i as usize]).collect()
+                } else {
+                    is_mapped = true;
+                    ensure!(
+                        on_map.len() == 2 * face.len(),
+                        "two coordinates on a map for each corner are expected"
+                    );
+                    let pairs = on_map.chunks(2).map(|uv| coordinates([uv[0] as f32, uv[1] as f32]));
+                    pairs.collect::<anyhow::Result<_>>()?
+                };
+                add_fan(&face, &mut triangles);
+                add_fan(&corners, &mut mapped);
                 Ok(())
             };
             read().with_context(|| format!("{} {row}", element.name))?;
         }
     }
-    build(positions, triangles)
+    if !is_mapped {
+        mapped.clear();
+    }
+    build(positions, triangles, mapped)
 }
 
 /// The elements, whether the numbers are text, and the bytes behind the header.
@@ -196,6 +220,22 @@ mod tests {
             bytes.extend(i.to_le_bytes());
         }
         bytes
+    }
+
+    #[test]
+    fn coordinates_are_of_vertices_or_of_corners() {
+        let of_vertices = TEXT
+            .replace("property float z", "property float z\nproperty float s\nproperty float t")
+            .replace("0 0 0\n1 0 0\n0 1 0", "0 0 0 0.5 0\n1 0 0 1 0\n0 1 0 0 1");
+        let want = [[Vec2::new(0.5, 0.0), Vec2::X, Vec2::Y]];
+        assert_eq!(from_ply(of_vertices.as_bytes()).unwrap().coordinates, want);
+        let of_corners = TEXT
+            .replace("vertex_indices", "vertex_indices\nproperty list uchar float texcoord")
+            .replace("3 0 1 2", "3 0 1 2 6 0.5 0 1 0 0 1");
+        assert_eq!(from_ply(of_corners.as_bytes()).unwrap().coordinates, want);
+        assert!(from_ply(of_corners.replace("6 0.5 0", "4 0.5 0").as_bytes()).is_err());
+        assert!(from_ply(of_corners.replace("0.5", "nan").as_bytes()).is_err());
+        assert!(from_ply(TEXT.as_bytes()).unwrap().coordinates.is_empty());
     }
 
     #[test]
