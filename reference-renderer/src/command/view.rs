@@ -22,9 +22,9 @@ const MAX_FITTER: u64 = 1 << 26;
 
 /// Materials that one knows, of models, which the page shows before the presets.
 const KNOWN: [(&str, &[u8]); 3] = [
-    ("gold", include_bytes!("../../../presets/known/gold.srbf")),
-    ("car_paint", include_bytes!("../../../presets/known/car_paint.srbf")),
-    ("velvet", include_bytes!("../../../presets/known/velvet.srbf")),
+    ("gold", include_bytes!("../../presets/known/gold.srbf")),
+    ("car_paint", include_bytes!("../../presets/known/car_paint.srbf")),
+    ("velvet", include_bytes!("../../presets/known/velvet.srbf")),
 ];
 
 /// Shows a material or a sheet in a browser: ball and teapot, lobes, verdict.
