@@ -46,7 +46,7 @@ use std::time::Instant;
 /// them and their captions. The measurement is the truth for every method. At most 20 minutes on two processors.
 #[derive(Debug, clap::Args)]
 pub struct Args {
-    /// Small pictures, few repeats, and the table of one material: a minute, for a look and for tests. The claim is not judged
+    /// Small pictures of two materials, few repeats, and the table of one: a minute, for a look and for tests. The claim is not judged
     #[arg(long)]
     quick: bool,
     /// Side of the pictures of the sphere, pixels; scenes are twice as wide
@@ -149,7 +149,7 @@ pub fn run(args: &Args) -> anyhow::Result<()> {
     if !args.quick {
         statue.turn_y_up();
     }
-    let painted = Painted::load(&data)?;
+    let painted = Painted::load(&data, args.quick)?;
     let fitted = fit(&painted, Kind::Measurement)?;
     let of_lobes = fit(&painted, Kind::Lobes)?;
 
@@ -183,9 +183,9 @@ pub fn run(args: &Args) -> anyhow::Result<()> {
     page.paragraph(CLAIM_WORDS);
     table_5_1(out, args, &mut page)?;
     figure_5_1(out, &mut page)?;
-    for (n, material) in painted.iter().enumerate() {
+    for material in &painted {
         let of: Vec<_> = figures.iter().filter(|(s, _)| std::ptr::eq(s.object.painted, material)).collect();
-        sphere_figure(out, n, material, &of, &mut page)?;
+        sphere_figure(out, material, &of, &mut page)?;
     }
     scene_figures(out, &fitted, &probes, statue, &size, &mut page)?;
     page.write(&index)?;
@@ -306,12 +306,11 @@ fn figure_5_1(out: &Path, page: &mut Page) -> anyhow::Result<()> {
 /// Figure 5.2 and those that follow: pictures at the thesis's counts, and errors.
 fn sphere_figure(
     out: &Path,
-    n: usize,
     material: &Painted,
     measured: &[&(&Subject<'_>, Measured)],
     page: &mut Page,
 ) -> anyhow::Result<()> {
-    page.heading(&format!("Figure 5.{}: {}", n + 2, material.title));
+    page.heading(&format!("Figure 5.{}: {}", material.figure, material.title));
     for (subject, measured) in measured {
         let under = subject.light.to_lowercase().replace(' ', "-");
         let reference = Tile { label: "reference".into(), picture: &measured.comparison.reference.picture };
@@ -331,9 +330,9 @@ fn sphere_figure(
         let last = |method: usize| measured.pictures[method].last().map(Vec::as_slice).unwrap_or_default();
         tiles.push(Tile { label: format!("fit: Laf. {SAMPLES}"), picture: last(OF_THE_TRUTH) });
         let png = sheet::png(&tiles, subject.size, 4)?;
-        output::write(&out.join(format!("figure-5-{}-{under}.png", n + 2)), &png)?;
+        output::write(&out.join(format!("figure-5-{}-{under}.png", material.figure)), &png)?;
         let plot = plot::png(&[&measured.comparison])?;
-        output::write(&out.join(format!("figure-5-{}-{under}-error.png", n + 2)), &plot)?;
+        output::write(&out.join(format!("figure-5-{}-{under}-error.png", material.figure)), &plot)?;
         page.subheading(&format!("Under {}", subject.light));
         let caption = format!(
             "{} under {}: a method, its samples a pixel, and its relative error; of the reference {:.2} %",

@@ -233,7 +233,7 @@ fn turned_samples_are_converted_as_they_were_read() {
         };
         text.lines().skip_while(|line| !line.starts_with("wi_x")).skip(1).map(row).collect()
     };
-    let first: Vec<[f64; 7]> = rows("a.csv").into_iter().step_by(19).collect();
+    let first: Vec<[f64; 7]> = rows("a.csv").into_iter().step_by(101).collect();
     // Some of the samples by angles, azimuths counted from the plane of the light, and a turn of the sample.
     let mut text = "theta_i,theta_o,dphi,rotation,value\n".to_owned();
     for [x, y, z, a, b, c, f] in &first {

@@ -13,13 +13,16 @@ use srbf_thesis::lafortune;
 use std::borrow::Cow;
 use std::path::Path;
 
-/// Name, title, and whether a preset holds its lobes.
-const MATERIALS: [(&str, &str); 4] = [
-    ("garnet_red", "garnet red"),
-    ("blue_paint", "blue paint"),
-    ("krylon_blue", "krylon blue"),
-    ("cayman", "cayman"),
+/// Name, title, and figure of chapter 5.
+const MATERIALS: [(&str, &str, usize); 4] = [
+    ("garnet_red", "garnet red", 2),
+    ("blue_paint", "blue paint", 3),
+    ("krylon_blue", "krylon blue", 4),
+    ("cayman", "cayman", 5),
 ];
+
+/// Those of a look: a published fit, and a measurement.
+const QUICK: [&str; 2] = ["blue_paint", "cayman"];
 
 /// What draws: samplers of tables.
 const SAMPLERS: [SamplerName; 3] = [SamplerName::Lobes, SamplerName::Thesis, SamplerName::Lafortune];
@@ -28,6 +31,8 @@ const SAMPLERS: [SamplerName; 3] = [SamplerName::Lobes, SamplerName::Thesis, Sam
 pub struct Painted {
     pub name: &'static str,
     pub title: &'static str,
+    /// Figure of chapter 5 with its sphere.
+    pub figure: usize,
     pub table: MeasuredMaterial,
     pub lobes: StoredMaterial,
     /// Lafortune's lobes as the material.
@@ -35,15 +40,16 @@ pub struct Painted {
 }
 
 impl Painted {
-    /// Loads all of them, in the order of the thesis's figures.
+    /// Loads all of them, or those of a look, in the order of the thesis's figures.
     ///
     /// # Errors
     /// Files that are missing or damaged.
-    pub fn load(data: &Path) -> anyhow::Result<Vec<Self>> {
-        MATERIALS.par_iter().map(|&(name, title)| Self::load_one(data, name, title)).collect()
+    pub fn load(data: &Path, is_quick: bool) -> anyhow::Result<Vec<Self>> {
+        let wanted = MATERIALS.par_iter().filter(|material| !is_quick || QUICK.contains(&material.0));
+        wanted.map(|&material| Self::load_one(data, material)).collect()
     }
 
-    fn load_one(data: &Path, name: &'static str, title: &'static str) -> anyhow::Result<Self> {
+    fn load_one(data: &Path, (name, title, figure): (&'static str, &'static str, usize)) -> anyhow::Result<Self> {
         let cornell = data.join("cornell");
         // Blue paint is not among the measurements at hand: its published fit stands for it.
         let is_published = name == "blue_paint";
@@ -63,7 +69,7 @@ impl Painted {
         let model = srbf_thesis::samplers::lafortune::fit(&Truth::Table(&table))
             .with_context(|| format!("material {name}"))?;
         let model = Source::evaluable(Box::new(model), name.to_owned(), String::new());
-        Ok(Self { name, title, table, lobes, lafortune: MeasuredMaterial::new(model)? })
+        Ok(Self { name, title, figure, table, lobes, lafortune: MeasuredMaterial::new(model)? })
     }
 
     fn truth(&self, kind: Kind) -> Truth<'_> {
