@@ -117,19 +117,19 @@ fn best() -> Level {
 #[cfg(all(feature = "simd", target_arch = "x86_64"))]
 #[cold]
 fn detect() -> Level {
-    use core::arch::x86_64::{__cpuid, __cpuid_count};
+    use super::processor::cpuid;
     let bit = |word: u32, n: u32| word >> n & 1 == 1;
     // Leaf 1: FMA, POPCNT, XSAVE enabled by the system, AVX, F16C. Leaf 7: BMI1, AVX2, BMI2 and AVX-512.
-    let highest = __cpuid(0).eax;
+    let highest = cpuid(0).eax;
     if highest < 7 {
         return Level::Portable;
     }
-    let ecx1 = __cpuid(1).ecx;
+    let ecx1 = cpuid(1).ecx;
     if ![12, 23, 27, 28, 29].into_iter().all(|n| bit(ecx1, n)) {
         return Level::Portable;
     }
     let saved = enabled_state();
-    let ebx7 = __cpuid_count(7, 0).ebx;
+    let ebx7 = cpuid(7).ebx;
     let avx2 = [3, 5, 8].into_iter().all(|n| bit(ebx7, n)) && saved & 0b110 == 0b110;
     let avx512 = [16, 17, 30, 31].into_iter().all(|n| bit(ebx7, n)) && saved & 0b1110_0110 == 0b1110_0110;
     match (avx2, avx512) {

@@ -22,8 +22,7 @@ impl Processor {
     pub fn this() -> Self {
         #[cfg(target_arch = "x86_64")]
         {
-            use core::arch::x86_64::__cpuid;
-            let (name, signature) = (__cpuid(0), __cpuid(1).eax);
+            let (name, signature) = (cpuid(0), cpuid(1).eax);
             let mut maker = [0; 12];
             for (to, word) in maker.chunks_exact_mut(4).zip([name.ebx, name.edx, name.ecx]) {
                 to.copy_from_slice(&word.to_le_bytes());
@@ -36,6 +35,14 @@ impl Processor {
         #[cfg(not(target_arch = "x86_64"))]
         Self { maker: [0; 12], family: 0, model: 0 }
     }
+}
+
+/// What the processor says about itself in a leaf.
+#[cfg(target_arch = "x86_64")]
+#[allow(unsafe_code, unused_unsafe, reason = "newer compilers than the oldest that works call it safe")]
+pub(crate) fn cpuid(leaf: u32) -> core::arch::x86_64::CpuidResult {
+    // SAFETY: every processor of x86-64 has the instruction, and answers for a leaf that it does not know too.
+    unsafe { core::arch::x86_64::__cpuid_count(leaf, 0) }
 }
 
 impl fmt::Display for Processor {
