@@ -10,6 +10,7 @@ memory in MB, the exit status, and the exponent by which the seconds grow from t
 
 import gzip
 import math
+import multiprocessing
 import os
 import struct
 import subprocess
@@ -92,6 +93,15 @@ KINDS = [
 ]
 
 
+def write(make, size, file):
+    """In a process of its own: a command's largest memory counts that of the process that starts it."""
+    process = multiprocessing.get_context("fork").Process(target=lambda: file.write_bytes(make(int(size * 1e6))))
+    process.start()
+    process.join()
+    if process.exitcode != 0:
+        sys.exit(f"{file} could not be made")
+
+
 def run(command, folder):
     """Seconds of processors, MB and exit status."""
     with open(os.devnull, "wb") as nothing:
@@ -113,7 +123,7 @@ def main():
             before = None
             for size in sizes:
                 file = Path(folder) / f"input.{ending}"
-                file.write_bytes(make(int(size * 1e6)))
+                write(make, size, file)
                 command = [srbf, *(word.replace("FILE", str(file)).replace("OUT", f"{folder}/out") for word in arguments)]
                 seconds, memory, status = run(command, folder)
                 exponent = math.log(seconds / before[1]) / math.log(size / before[0]) if before and before[1] > 0.01 else None

@@ -49,7 +49,10 @@ impl Painted {
         wanted.map(|&material| Self::load_one(data, material)).collect()
     }
 
-    fn load_one(data: &Path, (name, title, figure): (&'static str, &'static str, usize)) -> anyhow::Result<Self> {
+    fn load_one(
+        data: &Path,
+        (name, title, figure): (&'static str, &'static str, usize),
+    ) -> anyhow::Result<Self> {
         let cornell = data.join("cornell");
         // Blue paint is not among the measurements at hand: its published fit stands for it.
         let is_published = name == "blue_paint";
