@@ -61,6 +61,24 @@ pub fn chi_square_tail(x: f64, degrees: usize) -> f64 {
     }
 }
 
+/// Probabilities that a binomial variable of `n` trials of chance `p`, in (0, 1), is less than `x`, `x`, and more.
+pub fn binomial(n: usize, p: f64, x: usize) -> [f64; 3] {
+    let factorial = |k: usize| ln_gamma(k as f64 + 1.0);
+    let (odds, up, down) = (p / (1.0 - p), x as f64, (n - x) as f64);
+    let at = (factorial(n) - factorial(x) - factorial(n - x) + up * p.ln() + down * (-p).ln_1p()).exp();
+    let (mut below, mut above, mut term) = (0.0, 0.0, at);
+    for k in (1..=x).rev() {
+        term *= k as f64 / ((n - k + 1) as f64 * odds);
+        below += term;
+    }
+    term = at;
+    for k in x..n {
+        term *= (n - k) as f64 * odds / (k + 1) as f64;
+        above += term;
+    }
+    [below, at, above]
+}
+
 /// Logarithm of the gamma function (Lanczos, g = 7).
 fn ln_gamma(x: f64) -> f64 {
     const C: [f64; 9] = [
@@ -131,6 +149,17 @@ mod tests {
         for (x, degrees, p) in [(3.841, 1, 0.05), (18.307, 10, 0.05), (135.807, 100, 0.01), (9.542, 4, 0.049)]
         {
             assert!((chi_square_tail(x, degrees) - p).abs() < 2e-4, "{x} {degrees}");
+        }
+    }
+
+    #[test]
+    fn binomial_of_ten_and_of_many() {
+        let [below, at, above] = binomial(10, 0.5, 3);
+        assert!((below - 56.0 / 1024.0).abs() < 1e-12 && (at - 120.0 / 1024.0).abs() < 1e-12);
+        assert!((above - 848.0 / 1024.0).abs() < 1e-12);
+        for x in [0, 700, 1000, 4096] {
+            let sum: f64 = binomial(4096, 0.25, x).iter().sum();
+            assert!((sum - 1.0).abs() < 1e-9 || x == 4096, "{x}: {sum}");
         }
     }
 

@@ -1,5 +1,7 @@
 //! The grid of verbs: whatever the shape of a call, it gives what calls for one direction give.
 
+mod statistics;
+
 use glam::Vec3;
 use srbf_core::{
     AnyMixture, Domain, Draws, Error, Expanded, FactorTable, Grid, GridView, Line, Lobe, Material, Mixture,
