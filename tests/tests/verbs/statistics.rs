@@ -8,9 +8,9 @@
 
 use glam::{DVec3, Vec3};
 use srbf_core::{
-    AnyMixture, Blend, BlendPart, Domain, Draws, Error, FactorTable, Grid, GridView, Level, Line, Lobe,
-    Material, Mixture, PackOptions, PlaneLobe, Quarter, Request, Sample, Sheet, SheetMixture, TiltedLobe,
-    View, fresnel,
+    AnyMixture, Blend, BlendPart, Domain, Draws, Error, Expanded, FactorTable, Grid, GridView, Level, Line,
+    Lobe, Material, Mixture, PackOptions, PlaneLobe, Quarter, Request, Sample, Sheet, SheetMixture,
+    TiltedLobe, View, fresnel,
 };
 use srbf_tests::inputs::Random;
 use srbf_tests::kinds::{Soa, for_each_level, packed};
@@ -124,6 +124,14 @@ struct Furnace<'a> {
     albedo: Vec3,
     factor: &'a dyn Fn(Vec3) -> Vec3,
     luminance: Option<f32>,
+}
+
+impl<'a> Furnace<'a> {
+    /// Of a mixture: the sum of its lobes, as the difference that factors make to the albedo is a stored one.
+    fn of(m: &AnyMixture<'_>, factor: &'a dyn Fn(Vec3) -> Vec3) -> Self {
+        let lobes = (0..m.len()).map(|k| m.lobe(k).expect("lobe").integral()).sum::<Vec3>();
+        Self { albedo: lobes + m.diffuse(), factor, luminance: Some(m.power()) }
+    }
 }
 
 /// Tests of a verb, a level and a kind.
@@ -482,26 +490,39 @@ fn round(table: &mut Table, level: Level, random: &mut Random) {
     of_blend(table, level.name(), random);
 }
 
-fn one(_: Vec3) -> Vec3 {
-    Vec3::ONE
-}
-
 fn of_material(table: &mut Table, level: &'static str, random: &mut Random) {
     let (material, wo) = (material(random), outgoing(random));
+    let factor = |wi: Vec3| material.factor(wo, wi);
     let mut m = Mixture::<64>::empty();
     material.prepare(wo, &mut m).unwrap();
-    let truth = [Seen::new(&m, 1.0, false)];
-    // The sum of the lobes alone: the difference that factors make is no closed form.
-    let lobes = (0..m.len()).map(|k| m.lobe(k).expect("lobe").integral()).sum::<Vec3>();
-    let factor = |wi: Vec3| material.factor(wo, wi);
-    let furnace = Furnace { albedo: lobes + m.diffuse(), factor: &factor, luminance: Some(m.power()) };
-    let mut check = |verb, draws: Vec<_>, random: &mut Random| {
-        table.check([verb, level], &truth, &draws, Some(&furnace), random);
+    of_mixture(table, level, &m, &factor, random);
+    let mut check = |verb, m: &AnyMixture<'_>, draws: Vec<_>, random: &mut Random| {
+        let truth = [Seen::new(m, 1.0, false)];
+        table.check([verb, level], &truth, &draws, Some(&Furnace::of(m, &factor)), random);
     };
-    check("Mixture::sample", singles(random, |u| m.sample(u)), random);
-    check("Mixture::ask", batch(random, wo, |_, request| m.ask(request)), random);
-    check("Material::sample", singles(random, |u| material.sample(wo, u)), random);
-    check("Material::ask", batch(random, wo, |wo, request| material.ask(wo, request)), random);
+    check("Material::sample", &m, singles(random, |u| material.sample(wo, u)), random);
+    check("Material::ask", &m, batch(random, wo, |wo, request| material.ask(wo, request)), random);
+    if material.is_isotropic() {
+        const ROWS: usize = 64;
+        let mut memory = vec![0.0; material.expanded_len(ROWS)];
+        let expanded = Expanded::new(&material, ROWS, &mut memory).unwrap();
+        expanded.prepare(wo, &mut m).unwrap();
+        check("Expanded::ask", &m, batch(random, wo, |wo, request| expanded.ask(wo, request)), random);
+    }
+}
+
+fn of_mixture(
+    table: &mut Table,
+    level: &'static str,
+    m: &AnyMixture<'_>,
+    factor: &dyn Fn(Vec3) -> Vec3,
+    random: &mut Random,
+) {
+    let (truth, furnace) = ([Seen::new(m, 1.0, false)], Furnace::of(m, factor));
+    let draws = singles(random, |u| m.sample(u));
+    table.check(["Mixture::sample", level], &truth, &draws, Some(&furnace), random);
+    let draws = batch(random, Vec3::Z, |_, request| m.ask(request));
+    table.check(["Mixture::ask", level], &truth, &draws, Some(&furnace), random);
 }
 
 /// On the sphere too.
@@ -509,12 +530,7 @@ fn of_own_lobes(table: &mut Table, level: &'static str, random: &mut Random) {
     let domain = [Domain::Sphere, Domain::Hemisphere][random.below(2)];
     let (count, squeeze) = (lobe_count(random), 10f32.powf(random.between(-2.0, 0.3)));
     let m = random.mixture(domain, count, squeeze);
-    let truth = [Seen::new(&m, 1.0, false)];
-    let furnace = Furnace { albedo: m.albedo(), factor: &one, luminance: Some(m.power()) };
-    let draws = singles(random, |u| m.sample(u));
-    table.check(["Mixture::sample", level], &truth, &draws, Some(&furnace), random);
-    let draws = batch(random, Vec3::Z, |_, request| m.ask(request));
-    table.check(["Mixture::ask", level], &truth, &draws, Some(&furnace), random);
+    of_mixture(table, level, &m, &|_| Vec3::ONE, random);
 }
 
 fn of_sheet(table: &mut Table, level: &'static str, random: &mut Random) {
@@ -542,7 +558,7 @@ fn of_sheet(table: &mut Table, level: &'static str, random: &mut Random) {
     });
     let has_factors = [false, true].iter().any(|&way| pair.half(way).has_factors());
     let [reflected, transmitted] = pair.albedos();
-    let furnace = Furnace { albedo: reflected + transmitted, factor: &one, luminance: None };
+    let furnace = Furnace { albedo: reflected + transmitted, factor: &|_| Vec3::ONE, luminance: None };
     let furnace = (!has_factors).then_some(&furnace);
     let mut check = |verb, draws: Vec<_>, random: &mut Random| {
         table.check([verb, level], &truth, &draws, furnace, random);
