@@ -157,9 +157,9 @@ mod tests {
         let [below, at, above] = binomial(10, 0.5, 3);
         assert!((below - 56.0 / 1024.0).abs() < 1e-12 && (at - 120.0 / 1024.0).abs() < 1e-12);
         assert!((above - 848.0 / 1024.0).abs() < 1e-12);
-        for x in [0, 700, 1000, 4096] {
+        for x in [700, 1000, 1500] {
             let sum: f64 = binomial(4096, 0.25, x).iter().sum();
-            assert!((sum - 1.0).abs() < 1e-9 || x == 4096, "{x}: {sum}");
+            assert!((sum - 1.0).abs() < 1e-9, "{x}: {sum}");
         }
     }
 
