@@ -244,7 +244,7 @@ impl Table {
             }
             let density: f64 = images.iter().map(|image| image.1).sum();
             assert!(density > 0.0, "{place:?}: {sample:?} has density {density}");
-            let mut left = f64::from(random.uniform()) * density;
+            let mut left = fine(random) * density;
             let is_chosen = |image: &&Image| {
                 left -= image.1;
                 left < 0.0
@@ -329,9 +329,14 @@ fn choice(mut counts: Vec<(f64, f64)>) -> Option<f64> {
     (expected.len() > 1).then(|| chi_square(&observed, &expected).p)
 }
 
+/// A uniform number of 48 bits: one of 24 is 0 often enough to choose a lobe that has hardly a part of the density.
+fn fine(random: &mut Random) -> f64 {
+    f64::from(random.uniform()) + f64::from(random.uniform()) / 16_777_216.0
+}
+
 /// The p-value of a count that is binomial. A uniform number divides the chance of the count itself, so that p is uniform.
 fn two_sided(n: usize, chance: f64, count: usize, random: &mut Random) -> f64 {
-    let ([fewer, at, more], part) = (binomial(n, chance, count), f64::from(random.uniform()));
+    let ([fewer, at, more], part) = (binomial(n, chance, count), fine(random));
     2.0 * (fewer + part * at).min(more + (1.0 - part) * at)
 }
 
