@@ -188,7 +188,7 @@ impl Table {
         self.rows.values().map(|row| row.tests).sum()
     }
 
-    /// What has a p-value that is too small, too many of them or too few.
+    /// Rows with a p-value that is too small, too many of them or too few.
     fn failures(&self) -> Vec<String> {
         let mut failures = Vec::new();
         let rows = self.with_sums();
