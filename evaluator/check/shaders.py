@@ -14,9 +14,6 @@ import sys
 import numpy as np
 import wgpu
 
-sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[2] / "python/tests"))
-from conftest import make_materials, reference, spread  # noqa: E402
-
 N = 4096
 BOUNDS = {"value": 3e-4, "density": 3e-4, "direction": 2e-4, "density there": 5e-4, "weight": 5e-4, "albedo": 3e-4}
 
@@ -48,6 +45,17 @@ HITS = {
         ("float", "power", "srbf_blend_power(b.first_view, b.first_colour) * srbf_coat(1.5, wo, wi)"),
         ("vec3", "albedo", "srbf_blend_albedo(b)"),
     ],
+    # The front of a sheet as a blend of its reflection and its transmission.
+    "front": [
+        ("SrbfSheet", "sheet", "srbf_sheet(DATA)"),
+        ("SrbfMaterial", "m", "srbf_material(PLACE(sheet.front_reflection))"),
+        ("SrbfMaterial", "other", "srbf_material(PLACE(sheet.front_transmission))"),
+        ("SrbfBlend", "b", "srbf_blend(m, VEC3(0.7, 0.7, 0.7), other, VEC3(0.3, 0.24, 0.18), wo)"),
+        ("SrbfValue", "f", "srbf_blend_evaluate(b, wi)"),
+        ("SrbfSample", "s", "srbf_blend_sample(b, u)"),
+        ("float", "power", "srbf_blend_power(b.first_view, b.first_colour) + srbf_blend_power(b.second_view, b.second_colour)"),
+        ("vec3", "albedo", "srbf_blend_albedo(b)"),
+    ],
 }
 
 WGSL = (
@@ -70,7 +78,7 @@ fn given_vector(row: u32, i: u32) -> vec3f { return vec3f(given[row * 4096u + i]
     got[4u * i + 3u] = vec4f(albedo, 0.0);
 }
 """,
-    lambda kind, name, value: f"let {name} = {value};".replace("DATA", "0u").replace("VEC3", "vec3f"),
+    lambda kind, name, value: f"let {name} = {value};".replace("DATA", "0u").replace("VEC3", "vec3f").replace("PLACE", "u32"),
 )
 GLSL = (
     """#version 450
@@ -94,7 +102,7 @@ void main() {
     got[4 * i + 3] = vec4(albedo, 0.0);
 }
 """,
-    lambda kind, name, value: f"{kind} {name} = {value};".replace("DATA", "0").replace("VEC3", "vec3"),
+    lambda kind, name, value: f"{kind} {name} = {value};".replace("DATA", "0").replace("VEC3", "vec3").replace("PLACE", ""),
 )
 HLSL = (
     """[[vk::binding(0, 0)]] StructuredBuffer<uint> words;
@@ -116,7 +124,7 @@ float3 given_vector(uint row, uint i) { return float3(given[row * 4096 + i], giv
     got[4 * i + 3] = float4(albedo, 0.0);
 }
 """,
-    lambda kind, name, value: f"{kind.replace('vec3', 'float3')} {name} = {value};".replace("DATA", "0").replace("VEC3", "float3"),
+    lambda kind, name, value: f"{kind.replace('vec3', 'float3')} {name} = {value};".replace("DATA", "0").replace("VEC3", "float3").replace("PLACE", ""),
 )
 
 
@@ -146,27 +154,37 @@ def worst(got, want):
     return errors, int(np.sum(~same))
 
 
-def main(write, program, folder):
-    folder = pathlib.Path(folder)
-    adapter = wgpu.gpu.request_adapter_sync(power_preference="high-performance")
-    print(adapter.info["device"], adapter.info["description"])
-    device = adapter.request_device_sync()
-    text = lambda *words: subprocess.run([write, *words], stdout=subprocess.PIPE, check=True, text=True).stdout
+class Shaders:
+    """A device, and what compiles and runs there. `write` is the program that writes the text, `folder` a place for files."""
 
-    def spirv(language, code, *options):
-        path, target = folder / f"main.{language}", folder / f"{language}.spv"
+    def __init__(self, write, folder):
+        self.write, self.folder = write, pathlib.Path(folder)
+        self.adapter = wgpu.gpu.request_adapter_sync(power_preference="high-performance")
+        self.device = self.adapter.request_device_sync()
+
+    def spirv(self, language, code, *options):
+        """The words of a shader that glslang compiles."""
+        path, target = self.folder / f"main.{language}", self.folder / f"{language}.spv"
         path.write_text(code)
-        subprocess.run(["glslangValidator", *options, "-V", "-S", "comp", "-e", "main", str(path), "-o", str(target)], check=True)
+        command = ["glslangValidator", *options, "-V", "-S", "comp", "-e", "main", str(path), "-o", str(target)]
+        subprocess.run(command, check=True, stdout=sys.stderr)
         return target.read_bytes()
 
-    def pipelines(hit):
-        own = lambda language, parts: source(parts, text(language, *([] if hit == "material" else [hit])), hit)
-        codes = {"wgsl": own("wgsl", WGSL), "glsl": spirv("glsl", own("glsl", GLSL)), "hlsl": spirv("hlsl", own("hlsl", HLSL), "-D")}
-        module = lambda code: {"module": device.create_shader_module(code=code), "entry_point": "main"}
-        return {name: device.create_compute_pipeline(layout="auto", compute=module(code)) for name, code in codes.items()}
+    def pipelines(self, hit, content=None):
+        """One of each language for the calls of a hit, with the text of a content: that of the same name, if none is given."""
+        words = [] if hit == "material" else [content or hit]
 
-    def ask(pipeline, words, given):
-        storage = wgpu.BufferUsage.STORAGE
+        def own(language, parts):
+            text = subprocess.run([self.write, language, *words], stdout=subprocess.PIPE, check=True, text=True).stdout
+            return source(parts, text, hit)
+
+        codes = {"wgsl": own("wgsl", WGSL), "glsl": self.spirv("glsl", own("glsl", GLSL)), "hlsl": self.spirv("hlsl", own("hlsl", HLSL), "-D")}
+        module = lambda code: {"module": self.device.create_shader_module(code=code), "entry_point": "main"}
+        return {name: self.device.create_compute_pipeline(layout="auto", compute=module(code)) for name, code in codes.items()}
+
+    def ask(self, pipeline, words, given):
+        """The numbers of N pairs: value and density, direction and density there, weight and power, albedo and 0."""
+        storage, device = wgpu.BufferUsage.STORAGE, self.device
         buffers = [
             device.create_buffer_with_data(data=words, usage=storage),
             device.create_buffer_with_data(data=given.tobytes(), usage=storage),
@@ -182,6 +200,16 @@ def main(write, program, folder):
         work.end()
         device.queue.submit([encoder.finish()])
         return np.frombuffer(device.queue.read_buffer(buffers[2]), "<f4").reshape(N, 16)
+
+
+def main(write, program, folder):
+    sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[2] / "python/tests"))
+    from conftest import make_materials, reference, spread
+
+    folder = pathlib.Path(folder)
+    shaders = Shaders(write, folder)
+    device, pipelines, ask = shaders.device, shaders.pipelines, shaders.ask
+    print(shaders.adapter.info["device"], shaders.adapter.info["description"])
 
     for path in sorted(folder.glob("constants-*.wgsl")):
         device.create_shader_module(code=path.read_text())

@@ -1,11 +1,13 @@
 //! What `srbf-core` says of pairs of directions, for tests of what says the same elsewhere: in Python, in shaders.
 //!
-//!     reference FILE.srbf < in > out
+//!     reference FILE.srbf [blend] < in > out
+//!
+//! With `blend` the front of a sheet is asked as a blend of its reflection, tinted (.7, .7, .7), and of its transmission, (.3, .24, .18).
 //!
 //! Little-endian f32. In: nine rows of n numbers, x y z of `wo`, of `wi`, and three uniform numbers. Out: fourteen rows: value (3) and
 //! density (1) at `wi`; direction (3), density (1) and weight (3) of the sample; albedo (3), of a sheet that of the half in which `wi` lies.
 
-use srbf_core::{Draws, MAX_LOBES, Mixture, SheetMixture, Towards};
+use srbf_core::{Blend, BlendPart, Draws, MAX_LOBES, Mixture, Quarter, SheetMixture, Towards};
 use srbf_evaluator::Surface;
 use std::error::Error;
 use std::io::{Read, Write, stdin, stdout};
@@ -34,7 +36,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     };
     let albedo = [next(), next(), next()];
     let towards = Towards { wi, value: Some(value), pdf: Some(pdf) };
-    let of = |i: usize| [wo[0][i], wo[1][i], wo[2][i]];
+    let at = |i: usize| [wo[0][i], wo[1][i], wo[2][i]];
     let mut put = |i: usize, found: glam::Vec3| (0..3).for_each(|c| albedo[c][i] = found[c]);
     match &surface {
         Surface::Material(material) => {
@@ -42,16 +44,28 @@ fn main() -> Result<(), Box<dyn Error>> {
             material.ask(wo, samples.into())?;
             let mut mixture = Mixture::<MAX_LOBES>::empty();
             for i in 0..n {
-                material.prepare(of(i), &mut mixture)?;
+                material.prepare(at(i), &mut mixture)?;
                 put(i, mixture.albedo());
             }
+        }
+        Surface::Sheet(sheet) if std::env::args().nth(2).is_some_and(|word| word == "blend") => {
+            let of = |quarter| sheet.quarter(quarter).ok_or("a blend has two parts");
+            let (first, second) = (of(Quarter::FrontReflection)?, of(Quarter::FrontTransmission)?);
+            let parts = [
+                BlendPart::new(&first, 1.0).tinted([0.7; 3]),
+                BlendPart::new(&second, 1.0).tinted([0.3, 0.24, 0.18]),
+            ];
+            let blend = Blend::new(&parts)?;
+            blend.ask(wo, towards.into())?;
+            blend.ask(wo, samples.into())?;
+            (0..n).for_each(|i| put(i, blend.albedo(at(i))));
         }
         Surface::Sheet(sheet) => {
             sheet.ask(wo, towards.into())?;
             sheet.ask(wo, samples.into())?;
             let mut pair = SheetMixture::<MAX_LOBES>::empty();
             for i in 0..n {
-                sheet.prepare(of(i), &mut pair)?;
+                sheet.prepare(at(i), &mut pair)?;
                 let is_transmission = (wo[2][i] < 0.0) != (wi[2][i] < 0.0);
                 put(i, pair.albedos()[usize::from(is_transmission)]);
             }

@@ -1,10 +1,10 @@
 //! Materials of many kinds, and what tests of pairs need: structures of arrays, and every level in turn.
 
 use crate::inputs::{Random, levels};
-use crate::seeds::same_without_azimuth;
+use crate::seeds::{same_without_azimuth, with_spectra};
 use glam::Vec3;
 use srbf_core::{
-    FactorTable, Grid, GridView, Level, Line, Material, PackOptions, PlaneLobe, TiltedLobe, View,
+    FactorTable, Grid, GridView, Level, Line, Material, PackOptions, PlaneLobe, Sheet, TiltedLobe, View,
 };
 use std::f32::consts::{FRAC_PI_2, TAU};
 
@@ -99,7 +99,11 @@ pub const KINDS: [Kind; 7] = [
 impl Kind {
     /// The bytes of its file.
     pub fn bytes(&self) -> Vec<u8> {
-        let mut random = Random(self.lobes as u64);
+        self.bytes_by(&mut Random(self.lobes as u64))
+    }
+
+    /// The same by the caller's random numbers.
+    pub fn bytes_by(&self, random: &mut Random) -> Vec<u8> {
         let views: Vec<(f32, Vec<PlaneLobe>)> = (0..self.views)
             .map(|v| {
                 let theta = if v == 0 { 0.0 } else { 1.53 * (v as f32 / (self.views - 1) as f32).powf(0.7) };
@@ -169,10 +173,16 @@ pub fn materials() -> Vec<(&'static str, Vec<u8>)> {
 
 /// An anisotropic material.
 ///
-/// Lobes follow the mirror direction but for their own width; with `turns` 4 those in the planes of mirrors lie in them.
-fn turned(lobes: usize, squeezed: usize, azimuths: usize, turns: usize, has_factors: bool) -> Vec<u8> {
+/// Lobes follow the mirror direction but for their own width; with `turns` 4 those in the planes of mirrors lie in them. The logarithms
+/// of their sharpness go from 1 to `sharpest`.
+fn turned_by(
+    random: &mut Random,
+    [lobes, squeezed]: [usize; 2],
+    [azimuths, turns]: [usize; 2],
+    sharpest: f32,
+    has_factors: bool,
+) -> Vec<u8> {
     const THETAS: [f32; 4] = [0.0, 0.4, 0.9, 1.4];
-    let mut random = Random(62 + lobes as u64);
     let (axis, phase) = if turns == 4 { (0.4, 0.0) } else { (0.0, 0.3) };
     let places = (0..1 + 3 * azimuths).map(|view| {
         let step =
@@ -187,7 +197,7 @@ fn turned(lobes: usize, squeezed: usize, azimuths: usize, turns: usize, has_fact
     let mut view = |(theta, turn, is_between): (f32, f32, bool)| {
         let aside = if turns == 4 && !is_between { 0.0 } else { 1.0 };
         let mut lobe = |k: usize| {
-            let log2_sharpness = 1.0 + 9.0 * (k as f32 + 0.5) / lobes as f32;
+            let log2_sharpness = 1.0 + (sharpest - 1.0) * (k as f32 + 0.5) / lobes as f32;
             let width = (-0.5 * log2_sharpness).exp2().min(0.3);
             TiltedLobe {
                 tilt: [theta + width * random.between(-0.5, 0.5), aside * width * random.between(-1.0, 1.0)],
@@ -231,6 +241,10 @@ fn turned(lobes: usize, squeezed: usize, azimuths: usize, turns: usize, has_fact
 
 /// Anisotropic materials: with mirrors, with factors, of more lobes than a group has, each in numbers and in codes.
 pub fn turned_materials() -> Vec<(&'static str, Vec<u8>)> {
+    let turned = |lobes: usize, squeezed, azimuths, turns, has_factors| {
+        let mut random = Random(62 + lobes as u64);
+        turned_by(&mut random, [lobes, squeezed], [azimuths, turns], 10.0, has_factors)
+    };
     let plain = [turned(12, 7, 4, 4, false), turned(5, 5, 5, 1, true), turned(40, 11, 3, 2, false)];
     let codes = [(8, 3), (8, 1), (16, 3)];
     let of = |k: usize| packed(&plain[k], PackOptions { bits: codes[k].0, channels: codes[k].1 });
@@ -239,6 +253,70 @@ pub fn turned_materials() -> Vec<(&'static str, Vec<u8>)> {
     let names_in_codes =
         ["mirrors in codes", "grey turned factors in codes", "40 turned lobes in long codes"];
     names.into_iter().chain(names_in_codes).zip(plain.into_iter().chain(in_codes)).collect()
+}
+
+/// The names that [`any`] takes. A blend is kept as a sheet, whose reflection and transmission are its parts.
+pub const ANY: [&str; 13] = [
+    "line", "sharp", "squeezed", "mirrored", "factors", "grid", "grid-mirrors", "grid-factors", "codes-8",
+    "codes-16", "spectra", "sheet", "blend",
+];
+
+/// A random material of a kind: of 1 to 64 lobes, with sharpness up to 2^12, sharp ones 2^20.
+pub fn any(name: &str, random: &mut Random) -> Vec<u8> {
+    let other = |random: &mut Random, limit| ANY[random.below(limit)];
+    match name {
+        "grid" | "grid-mirrors" | "grid-factors" => {
+            let lobes = 1 + random.below(64);
+            let (squeezed, sharpest) = (random.below(lobes + 1), random.between(3.0, 12.0));
+            let azimuths = 2 + random.below(4);
+            let turns = if name == "grid-mirrors" { 4 } else { 1 + random.below(2) };
+            turned_by(random, [lobes, squeezed], [azimuths, turns], sharpest, name == "grid-factors")
+        }
+        "codes-8" | "codes-16" => {
+            let plain = any(other(random, 8), random);
+            let options = PackOptions {
+                bits: if name == "codes-8" { 8 } else { 16 },
+                channels: [1, 3][random.below(2)],
+            };
+            packed(&plain, options)
+        }
+        "spectra" => with_spectra(&any(other(random, 8), random)),
+        "sheet" => {
+            // All but the first may be black.
+            let mut quarter = |is_first| (is_first || random.below(5) > 0).then(|| any(other(random, 8), random));
+            sheet([true, false, false, false].map(&mut quarter), false)
+        }
+        "blend" => {
+            let mut part = || Some(any(other(random, 8), random));
+            sheet([part(), part(), None, None], true)
+        }
+        _ => {
+            let all = 1 + random.below(64);
+            let mirrored = if name == "mirrored" { random.below(all / 2 + 1) } else { 0 };
+            let lobes = all - mirrored;
+            let rest = lobes - mirrored;
+            let sharpest = if name == "sharp" { 20.0 } else { random.between(3.0, 12.0) };
+            Kind {
+                name: "any",
+                views: 1 + random.below(16),
+                lobes,
+                squeezed: if name == "squeezed" { rest } else { random.below(rest + 1) },
+                mirrored,
+                sharpness: [random.between(-3.0, 3.0), sharpest],
+                factors: name == "factors",
+            }
+            .bytes_by(random)
+        }
+    }
+}
+
+/// A sheet of quarters.
+fn sheet(quarters: [Option<Vec<u8>>; 4], is_symmetric: bool) -> Vec<u8> {
+    let made = quarters.map(|bytes| bytes.map(|bytes| Material::from_bytes(bytes).expect("a material")));
+    let quarters = made.each_ref().map(Option::as_ref);
+    let mut bytes = vec![0; Sheet::encoded_len(quarters, "")];
+    Sheet::encode(quarters, is_symmetric, "", &mut bytes).expect("a valid sheet");
+    bytes
 }
 
 /// A material in codes.

@@ -45,7 +45,12 @@ pub fn factored() -> Vec<u8> {
 
 /// The same with spectra of the colours.
 pub fn spectral() -> Vec<u8> {
-    let material = Material::from_bytes(factored()).expect("a valid material");
+    with_spectra(&factored())
+}
+
+/// A material with spectra of the colours.
+pub fn with_spectra(bytes: &[u8]) -> Vec<u8> {
+    let material = Material::from_bytes(bytes).expect("a valid material");
     let columns = SpectralColumns::Rgb(&[[0.1, -0.2, 1.5], [0.2, 0.9, 0.1], [2.0, 1.0, -1.0]]);
     let mut map = [0; SpectralMap::encoded_len(3, false)];
     SpectralMap::encode(&[420.0, 550.0, 905.0], columns, 0.1, &mut map).expect("a valid map");

@@ -1,0 +1,253 @@
+#!/usr/bin/env python3
+"""One table of every form of the library beside Rust's scalar level: the same random materials, pairs of directions and uniform numbers.
+
+    cargo build --release --workspace --lib --bins --examples
+    python3 lab/differential.py FOLDER [--count 280] [--seed 1] > docs/figures/differential.csv
+
+`materials` of srbf-tests writes the materials into FOLDER, and each has 4096 pairs. Forms are processes with the protocol of
+evaluator/examples/reference.rs. C, C++ and Metal need gcc and g++. Python needs the package in the interpreter, shaders wgpu and
+glslangValidator in the same; the environment of .ci/checks/35-python has both. The module for WebAssembly is that of .ci/checks/74-npm. A form
+whose tools are missing says NOT RUN. Rows are the worst of each kind of material, and the exit status is 1 if one is above its form's bound.
+"""
+
+import argparse
+import csv
+import os
+import shutil
+import struct
+import subprocess
+import sys
+from pathlib import Path
+
+import numpy as np
+
+ROOT = Path(__file__).resolve().parents[1]
+TARGET = Path(os.environ.get("CARGO_TARGET_DIR", ROOT / "target"))
+N = 4096
+NAMES = ["value", "density", "direction", "density there", "weight", "albedo"]
+TINTS = [[0.7, 0.7, 0.7], [0.3, 0.24, 0.18]]
+
+
+def pairs(random, is_sheet):
+    """Nine rows of N numbers. Half of the incident directions are near the mirror direction, as near as 1e-4."""
+    z = 0.02 + 0.98 * random.random((2, N))
+    phi = 2 * np.pi * random.random((2, N))
+    wo, wi = np.stack([np.sqrt(1 - z * z) * np.cos(phi), np.sqrt(1 - z * z) * np.sin(phi), z], axis=1)
+    width = 10 ** random.uniform(-4, -0.5, N)
+    near = [[-1], [-1], [1]] * wo + width * random.normal(size=(3, N))
+    near[2] = np.abs(near[2])
+    wi = np.where(np.arange(N) % 2 == 0, wi, near / np.linalg.norm(near, axis=0))
+    if is_sheet:
+        wo[2] *= np.where(np.arange(N) // 2 % 2 == 0, 1, -1)
+        wi[2] *= np.where(np.arange(N) // 4 % 2 == 0, 1, -1)
+    u = random.integers(0, 1 << 24, (3, N)) / (1 << 24)
+    return np.ascontiguousarray(np.concatenate([wo, wi, u]), dtype="<f4")
+
+
+def errors(got, want, power):
+    """The worst of each quantity, and how many draws went elsewhere.
+
+    A value is relative to its largest channel, or to density times power where that is larger: the power is that of the lobes.
+    """
+    got, want = np.float64(got), np.float64(want)
+    far = lambda rows: np.max(np.abs(got[rows] - want[rows]), axis=0)
+    most = lambda rows: np.max(np.abs(want[rows]), axis=0)
+    tiny = np.finfo(np.float32).tiny
+    same = far(slice(4, 7)) <= 1e-4
+    found = {
+        "value": far(slice(0, 3)) / np.maximum(np.maximum(most(slice(0, 3)), want[3] * power), tiny),
+        "density": far(slice(3, 4)) / np.maximum(want[3], tiny),
+        "direction": far(slice(4, 7)) * same,
+        "density there": far(slice(7, 8)) / np.maximum(want[7], tiny) * same,
+        "weight": far(slice(8, 11)) / np.maximum(np.maximum(most(slice(8, 11)), power), tiny) * same,
+        "albedo": far(slice(11, 14)) / np.maximum(np.maximum(most(slice(11, 14)), power), tiny),
+    }
+    return {name: float(np.max(np.where(np.isfinite(error), error, np.inf))) for name, error in found.items()}, int(np.sum(~same))
+
+
+def program(command, path, kind, given, **environment):
+    """Asks a program for one material."""
+    run = subprocess.run([*command(path, kind)], input=given.tobytes(), stdout=subprocess.PIPE, check=True, env={**os.environ, **environment})
+    return np.frombuffer(run.stdout, "<f4").reshape(14, N)
+
+
+def content(kind):
+    """Whose functions answer for a kind of material."""
+    return kind if kind in ("sheet", "blend") else "material"
+
+
+def rust(level):
+    flag = {"avx2": "avx2", "avx512": "avx512vl"}.get(level)
+    if flag and flag not in Path("/proc/cpuinfo").read_text():
+        raise RuntimeError(f"the processor has no {level}")
+    reference = TARGET / "release/examples/reference"
+    return lambda path, kind, given: program(lambda path, kind: [reference, path, *(["blend"] if kind == "blend" else [])], path, kind, given, SRBF_LEVEL=level)
+
+
+def compiled(compiler, source, name, place):
+    """A program of the C interface."""
+    system = ["-lutil", "-lrt", "-lpthread", "-lm", "-ldl"]
+    command = [*compiler, "-O2", f"-I{ROOT}/include", f"-I{ROOT}/tests/c", ROOT / source, TARGET / "release/libsrbf.a", *system]
+    subprocess.run([*command, "-o", place / name], check=True)
+    return lambda path, kind, given: program(lambda path, kind: [place / name, path, content(kind)], path, kind, given)
+
+
+def text(language, options, place):
+    """The text in a program of evaluator/tests/values.cpp, which has a protocol of its own."""
+    folder = place / language
+    folder.mkdir(exist_ok=True)
+    words = subprocess.run([TARGET / "release/examples/write", language, "blend"], stdout=subprocess.PIPE, check=True).stdout
+    (folder / "text").write_bytes(words)
+    subprocess.run(["g++", "-std=c++17", "-O2", *options, f"-I{folder}", ROOT / "evaluator/tests/values.cpp", "-o", folder / "values"], check=True)
+
+    def ask(path, kind, given):
+        words = plain(path)
+        sent = struct.pack("<I", len(words)) + words + struct.pack("<I", N) + given.tobytes()
+        command = [folder / "values", *(["blend"] if kind == "blend" else [])]
+        out = subprocess.run(command, input=sent, stdout=subprocess.PIPE, check=True).stdout
+        if out[:4] != bytes(4):
+            raise RuntimeError(f"{path}: word {struct.unpack('<i', out[:4])} is wrong")
+        return np.frombuffer(out[4:], "<f4").reshape(18, N)[:15]
+
+    return ask
+
+
+def plain(path):
+    """The bytes of a material in plain numbers, which the text reads."""
+    beside = path.with_suffix(".plain")
+    return (beside if beside.exists() else path).read_bytes()
+
+
+def python():
+    import srbf_brdf
+
+    def ask(path, kind, given):
+        wo, wi, u = (given[i : i + 3].T for i in (0, 3, 6))
+        surface = srbf_brdf.Material.load(path) if content(kind) == "material" else srbf_brdf.Sheet.load(path)
+        if kind == "blend":
+            surface = srbf_brdf.Blend([surface.quarter(name) for name in ("front_reflection", "front_transmission")], [1, 1], TINTS)
+        drawn, value, pdf = surface.sample_and_evaluate(wo, u, wi)
+        if kind == "sheet":
+            albedo = np.where((wo[:, 2:] < 0) == (wi[:, 2:] < 0), *surface.albedos(wo))
+        else:
+            albedo = surface.albedo(wo)
+        return np.concatenate([value.T, pdf[None], drawn.direction.T, drawn.pdf[None], drawn.weight.T, albedo.T])
+
+    return ask
+
+
+def wasm(level):
+    folder = TARGET / "npm/empty"
+    if not (folder / "node_modules/srbf-wasm").exists():
+        raise RuntimeError("no srbf-wasm is installed")
+    shutil.copy(ROOT / "wasm/check/rows.mjs", folder)
+    return lambda path, kind, given: program(lambda path, kind: ["node", folder / "rows.mjs", level, path], path, kind, given)
+
+
+def shaders(place):
+    """One function a language; they share a device."""
+    sys.path.insert(0, str(ROOT / "evaluator/check"))
+    from shaders import Shaders
+
+    found = Shaders(TARGET / "release/examples/write", place)
+    made = {kind: found.pipelines(hit, text) for kind, hit, text in [("material", "material", None), ("sheet", "sheet", None), ("blend", "front", "blend")]}
+
+    def of(language):
+        def ask(path, kind, given):
+            words = plain(path)
+            rows = found.ask(made[content(kind)][language], words + bytes(-len(words) % 4), given).T
+            return rows[[*range(11), 12, 13, 14]]
+
+        return ask
+
+    return of
+
+
+def bound(*numbers):
+    return dict(zip(NAMES, numbers))
+
+
+# The bounds are those of the tests of each form: tests/tests/verbs.rs, wasm/check/values.mjs, evaluator/tests/text/values.rs.
+LEVEL = bound(2e-5, 2e-5, 4e-6, 4e-4, 1e-4, 2e-5)
+WASM = bound(5e-6, 5e-6, 3e-6, 5e-5, 5e-5, 2e-6)
+TEXT = bound(3e-4, 3e-4, 2e-4, 5e-4, 5e-4, 3e-4)
+
+
+def forms(place):
+    """Name, bounds, and what makes the function that asks."""
+    cpp = [f"-I{ROOT}/evaluator/tests/metal", "-D__METAL__", "-Wno-unused-function"]
+    once = []
+
+    def shader(language):
+        if not once:
+            once.append(shaders(place))
+        return once[0](language)
+
+    return [
+        ("Rust, portable", LEVEL, lambda: rust("portable")),
+        ("Rust, AVX2", LEVEL, lambda: rust("avx2")),
+        ("Rust, AVX-512", LEVEL, lambda: rust("avx512")),
+        ("C", LEVEL, lambda: compiled(["gcc", "-std=c11"], "tests/c/pairs.c", "pairs", place)),
+        ("C++ wrapper, hit by hit", LEVEL, lambda: compiled(["g++", "-std=c++17"], "tests/c/pairs.cpp", "wrapper", place)),
+        ("Python", LEVEL, python),
+        ("wasm, scalar", WASM, lambda: wasm("scalar")),
+        ("wasm, simd128", WASM, lambda: wasm("simd128")),
+        ("C++ header", TEXT, lambda: text("cpp", [], place)),
+        ("Metal, as C++", TEXT, lambda: text("metal", cpp, place)),
+        *((f"{language.upper()}, lavapipe", TEXT, lambda language=language: shader(language)) for language in ("glsl", "wgsl", "hlsl")),
+    ]
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__.split("\n")[0])
+    parser.add_argument("folder", type=Path)
+    parser.add_argument("--count", type=int, default=280, help="materials")
+    parser.add_argument("--seed", type=int, default=1)
+    parser.add_argument("--only", default="", help="forms whose name has this word")
+    parser.add_argument("--each", type=argparse.FileType("w"), help="a table of every material")
+    options = parser.parse_args()
+    options.folder.mkdir(parents=True, exist_ok=True)
+    for old in [*options.folder.glob("*.srbf"), *options.folder.glob("*.plain")]:
+        old.unlink()
+    subprocess.run([TARGET / "release/materials", options.folder, str(options.count), str(options.seed)], check=True)
+    os.environ.setdefault("LP_NUM_THREADS", "2")
+    base, header, asked, random = rust("scalar"), text("cpp", [], options.folder), [], np.random.default_rng(options.seed)
+    for path in sorted(options.folder.glob("*.srbf")):
+        kind = path.stem.split("-", 1)[1]
+        given = pairs(random, kind == "sheet")
+        asked.append((path, kind, given, base(path, kind, given), header(path, kind, given)[14]))
+    out = csv.writer(sys.stdout, lineterminator="\n")
+    out.writerow(["form", "kind", "materials", "pairs", *NAMES, "elsewhere", "within"])
+    failed = False
+    for name, limits, make in forms(options.folder):
+        if options.only not in name:
+            continue
+        out.writerow([name, "bound", "", "", *(f"{limit:.0e}" for limit in limits.values()), "", ""])
+        try:
+            ask = make()
+        except (ImportError, OSError, RuntimeError, subprocess.CalledProcessError) as error:
+            out.writerow([name, f"NOT RUN: {error}"])
+            continue
+        kinds = {}
+        for path, kind, given, want, power in asked:
+            if kind == "blend" and name.startswith("wasm"):
+                continue
+            found, elsewhere = errors(ask(path, kind, given), want, power)
+            if options.each:
+                print(name, path.stem, *(f"{error:.1e}" for error in found.values()), elsewhere, sep=",", file=options.each)
+            row = kinds.setdefault(kind, {"materials": 0, "elsewhere": 0, "most": 0, "worst": dict.fromkeys(NAMES, 0.0)})
+            row["materials"] += 1
+            row["elsewhere"] += elsewhere
+            row["most"] = max(row["most"], elsewhere)
+            row["worst"] = {key: max(error, found[key]) for key, error in row["worst"].items()}
+        for kind, row in kinds.items():
+            is_within = all(row["worst"][key] <= limit for key, limit in limits.items()) and row["most"] <= 2
+            failed |= not is_within
+            worst = (f"{error:.1e}" for error in row["worst"].values())
+            out.writerow([name, kind, row["materials"], N * row["materials"], *worst, row["elsewhere"], "yes" if is_within else "NO"])
+        sys.stdout.flush()
+    sys.exit(failed)
+
+
+if __name__ == "__main__":
+    main()
