@@ -257,8 +257,19 @@ pub fn turned_materials() -> Vec<(&'static str, Vec<u8>)> {
 
 /// The names that [`any`] takes. A blend is kept as a sheet, whose reflection and transmission are its parts.
 pub const ANY: [&str; 13] = [
-    "line", "sharp", "squeezed", "mirrored", "factors", "grid", "grid-mirrors", "grid-factors", "codes-8",
-    "codes-16", "spectra", "sheet", "blend",
+    "line",
+    "sharp",
+    "squeezed",
+    "mirrored",
+    "factors",
+    "grid",
+    "grid-mirrors",
+    "grid-factors",
+    "codes-8",
+    "codes-16",
+    "spectra",
+    "sheet",
+    "blend",
 ];
 
 /// A random material of a kind: of 1 to 64 lobes, with sharpness up to 2^12, sharp ones 2^20.
@@ -283,7 +294,8 @@ pub fn any(name: &str, random: &mut Random) -> Vec<u8> {
         "spectra" => with_spectra(&any(other(random, 8), random)),
         "sheet" => {
             // All but the first may be black.
-            let mut quarter = |is_first| (is_first || random.below(5) > 0).then(|| any(other(random, 8), random));
+            let mut quarter =
+                |is_first| (is_first || random.below(5) > 0).then(|| any(other(random, 8), random));
             sheet([true, false, false, false].map(&mut quarter), false)
         }
         "blend" => {

@@ -12,7 +12,8 @@ use std::io::{Read, Write, stdin, stdout};
 fn of_mixture(mixture: &Mixture<'_, MAX_LOBES>, wi: DVec3) -> (DVec3, f64) {
     let [cos, sin] = mixture.azimuth_cos_sin().map(f64::from);
     // In the frame of the view, as lobes see it.
-    let turn = DVec3::new(cos * wi.x + sin * wi.y, cos * wi.y - sin * wi.x, wi.z * cos.hypot(sin)).normalize();
+    let turn =
+        DVec3::new(cos * wi.x + sin * wi.y, cos * wi.y - sin * wi.x, wi.z * cos.hypot(sin)).normalize();
     let [along, across] = [mixture.squeeze_along(), mixture.squeeze()].map(f64::from);
     let seen = DVec3::new(turn.x / along, turn.y / across, turn.z);
     let squeezed = 1.0 / (along * across * seen.length().powi(3));
