@@ -5,10 +5,10 @@
     python3 lab/differential.py FOLDER [--count 280] [--seed 1] > docs/figures/differential.csv
 
 `materials` of srbf-tests writes the materials into FOLDER, and each has 4096 pairs. Forms are processes with the protocol of
-evaluator/examples/reference.rs. C, C++ and Metal need gcc and g++. Python and shaders are asked by the interpreter itself, which needs the
-package, and wgpu beside glslangValidator: those of .ci/checks/35-python and 56-evaluator. The module for WebAssembly is that of
-.ci/checks/74-npm. A form whose tools are missing says NOT RUN. Rows are the worst of each kind of material, and the exit status is 1 if one is
-above its form's bound.
+evaluator/examples/reference.rs. All need g++, by whose program the power of a material is known, and C needs gcc. Python and shaders are asked by
+the interpreter itself, which needs the package, and wgpu beside glslangValidator: those of .ci/checks/35-python and 56-evaluator. The module for
+WebAssembly is that of .ci/checks/74-npm. A form whose tools are missing says NOT RUN. Rows are the worst of each kind of material, and the exit
+status is 1 if one is above its form's bound.
 """
 
 import argparse
@@ -201,7 +201,7 @@ def growth(name, sharpness):
 
 
 def forms(place):
-    """Name, bounds, kinds that it does not have, and what makes the function that asks."""
+    """Name, bounds, kinds that it does not have, and the maker of the function that asks."""
     cpp = [f"-I{ROOT}/evaluator/tests/metal", "-D__METAL__", "-Wno-unused-function"]
     once = []
 

@@ -8,7 +8,8 @@ import { SrbfError, load } from "srbf-wasm";
 
 const [reference, ...materials] = process.argv.slice(2);
 const PAIRS = 2048;
-// Bounds of isotropic materials; lab/differential.py has those of others. Of values and weights relative to their largest channel, or to density times power, where that is larger; of densities relative.
+// Bounds of isotropic materials; lab/differential.py has those of others. Of values and weights relative to their largest channel, or to
+// density times power, where that is larger; of densities relative.
 const BOUND = { value: 5e-6, density: 5e-6, direction: 3e-6, weight: 5e-5, albedo: 2e-6 };
 
 let state = 12345;
