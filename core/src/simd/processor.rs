@@ -37,7 +37,7 @@ impl Processor {
     }
 }
 
-/// What the processor says about itself in a leaf.
+/// A leaf of numbers by which the processor describes itself.
 #[cfg(target_arch = "x86_64")]
 #[allow(unsafe_code, unused_unsafe, reason = "newer compilers than the oldest that works call it safe")]
 pub(crate) fn cpuid(leaf: u32) -> core::arch::x86_64::CpuidResult {
