@@ -75,9 +75,9 @@ def errors(got, want, power, left_out):
     return worst(found), worst(over), int(np.sum(lit & ~same))
 
 
-def program(command, path, kind, given, **environment):
+def program(command, given, **environment):
     """Asks a program for one material."""
-    run = subprocess.run([*command(path, kind)], input=given.tobytes(), stdout=subprocess.PIPE, check=True, env={**os.environ, **environment})
+    run = subprocess.run(command, input=given.tobytes(), stdout=subprocess.PIPE, check=True, env={**os.environ, **environment})
     return np.frombuffer(run.stdout, "<f4").reshape(14, N)
 
 
@@ -91,7 +91,7 @@ def rust(level):
     if flag and flag not in Path("/proc/cpuinfo").read_text():
         raise RuntimeError(f"the processor has no {level}")
     reference = TARGET / "release/examples/reference"
-    return lambda path, kind, given: program(lambda path, kind: [reference, path, *(["blend"] if kind == "blend" else [])], path, kind, given, SRBF_LEVEL=level)
+    return lambda path, kind, given: program([reference, path, *(["blend"] if kind == "blend" else [])], given, SRBF_LEVEL=level)
 
 
 def truth():
@@ -110,7 +110,7 @@ def compiled(compiler, source, name, place):
     system = ["-lutil", "-lrt", "-lpthread", "-lm", "-ldl"]
     command = [*compiler, "-O2", f"-I{ROOT}/include", f"-I{ROOT}/tests/c", ROOT / source, TARGET / "release/libsrbf.a", *system]
     subprocess.run([*command, "-o", place / name], check=True)
-    return lambda path, kind, given: program(lambda path, kind: [place / name, path, content(kind)], path, kind, given)
+    return lambda path, kind, given: program([place / name, path, content(kind)], given)
 
 
 def text(language, options, place):
@@ -162,7 +162,7 @@ def wasm(level):
     if not (folder / "node_modules/srbf-wasm").exists():
         raise RuntimeError("no srbf-wasm is installed")
     shutil.copy(ROOT / "wasm/check/rows.mjs", folder)
-    return lambda path, kind, given: program(lambda path, kind: ["node", folder / "rows.mjs", level, path], path, kind, given)
+    return lambda path, kind, given: program(["node", folder / "rows.mjs", level, path], given)
 
 
 def shaders(place):
