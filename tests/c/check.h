@@ -31,6 +31,16 @@
 
 #define CHECK_OK(call) CHECK_STATUS(SRBF_STATUS_OK, call)
 
+/* With SHORT, for tools under which a program takes fifty times as long: loops have a twentieth of their rounds, and means and integrals, which
+ * need all of them, are not held. */
+#ifdef SHORT
+#define MANY(rounds) ((rounds) / 20)
+#define CHECK_MEAN(condition) ((void)(condition))
+#else
+#define MANY(rounds) (rounds)
+#define CHECK_MEAN(condition) CHECK(condition)
+#endif
+
 /* A request: an output that is not named is not wanted. */
 #define ASK(...) (&(const srbf_request){.size = sizeof(srbf_request), __VA_ARGS__})
 

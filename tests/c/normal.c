@@ -4,6 +4,9 @@
  */
 #include "check.h"
 
+/* Of the midpoint rule. */
+enum { ROWS = MANY(200) };
+
 static srbf_vectors in(const float *first, size_t step, size_t stride) {
     srbf_vectors v = {first, first + step, first + 2 * step, stride};
     return v;
@@ -121,7 +124,7 @@ static void test_single(const srbf_material *material) {
         CHECK(are_near(info.albedo, albedo) && is_near(info.power, luminance(albedo)));
 
         uint64_t state = 7;
-        for (int i = 0; i < 2000; i++) {
+        for (int i = 0; i < MANY(2000); i++) {
             float wi[3], *value = guarded(3), *pdf = guarded(1), *both = guarded(4);
             direction(&state, wi);
             CHECK_OK(srbf_mixture_evaluate(mixture, wi, value));
@@ -155,15 +158,15 @@ static void test_single(const srbf_material *material) {
 
         /* The density integrates to 1 over the hemisphere: midpoint rule. */
         double sum = 0;
-        for (int i = 0; i < 200; i++) {
+        for (int i = 0; i < ROWS; i++) {
             for (int j = 0; j < 800; j++) {
-                float z = ((float)i + 0.5f) / 200, phi = ((float)j + 0.5f) / 800 * 6.2831853f;
+                float z = ((float)i + 0.5f) / ROWS, phi = ((float)j + 0.5f) / 800 * 6.2831853f;
                 float r = sqrtf(1 - z * z), wi[3] = {r * cosf(phi), r * sinf(phi), z}, pdf;
                 CHECK_OK(srbf_mixture_pdf(mixture, wi, &pdf));
                 sum += (double)pdf;
             }
         }
-        CHECK(fabs(sum * 6.283185307 / (200 * 800) - 1) < 1e-3);
+        CHECK_MEAN(fabs(sum * 6.283185307 / (ROWS * 800) - 1) < 1e-3);
 
         /* Towards a viewer below the horizon nothing is reflected: no lobes, and no sample. */
         const float below[3] = {0.6f, 0, -0.8f}, u[3] = {0.5f, 0.5f, 0.5f};
@@ -429,19 +432,19 @@ static void test_lobes(void) {
     CHECK(are_near(sum, integral));
     for (uint32_t domain = SRBF_DOMAIN_SPHERE; domain <= SRBF_DOMAIN_HEMISPHERE; domain++) {
         double quadrature = 0;
-        const int low = domain == SRBF_DOMAIN_SPHERE ? -200 : 0;
+        const int low = domain == SRBF_DOMAIN_SPHERE ? -ROWS : 0;
         CHECK_OK(srbf_mixture_from_lobes(domain, 1, 0, 3, lobes, NULL, mixture));
         CHECK_OK(srbf_mixture_inner_product(mixture, ones[1], integral));
-        for (int i = low; i < 200; i++) {
+        for (int i = low; i < ROWS; i++) {
             for (int j = 0; j < 800; j++) {
-                float h = ((float)i + 0.5f) / 200, phi = ((float)j + 0.5f) / 800 * 6.2831853f;
+                float h = ((float)i + 0.5f) / ROWS, phi = ((float)j + 0.5f) / 800 * 6.2831853f;
                 float r = sqrtf(1 - h * h), at[3] = {r * cosf(phi), r * sinf(phi), h};
                 CHECK_OK(srbf_mixture_evaluate(mixture, at, x));
                 lobe_value(&lobes[1], at, y);
                 quadrature += (double)(x[1] * y[1]);
             }
         }
-        CHECK(fabs(quadrature * 6.283185307 / (200 * 800) / (double)integral[1] - 1) < 1e-3);
+        CHECK_MEAN(fabs(quadrature * 6.283185307 / (ROWS * 800) / (double)integral[1] - 1) < 1e-3);
     }
     /* Squeezed lobes keep their integral. */
     CHECK_OK(srbf_mixture_from_lobes(SRBF_DOMAIN_HEMISPHERE, 0.5f, 2, 3, lobes, NULL, mixture));
