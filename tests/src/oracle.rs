@@ -27,27 +27,34 @@ pub fn mirrored(d: DVec3) -> DVec3 {
     DVec3::new(d.x, d.y, -d.z)
 }
 
-/// The direction that squeezed lobes see, and the change of solid angle, in the frame of the view.
-pub fn squeezed(c: f64, d: DVec3) -> (DVec3, f64) {
-    let m = DVec3::new(d.x, d.y / c, d.z);
-    let r = m.length() / d.length();
-    (m, 1.0 / (c * r * r * r))
+/// A direction in the frame of the view, by the cosine and sine of its azimuth. They are rounded, and the direction keeps its angle from the normal.
+pub fn turned([cos, sin]: [f64; 2], d: DVec3) -> DVec3 {
+    DVec3::new(cos * d.x + sin * d.y, cos * d.y - sin * d.x, cos.hypot(sin) * d.z)
 }
 
-/// Value of a mixture that is in the caller's frame: linear sRGB.
+/// The direction that squeezed lobes see, by the squeezes along x and y, and the change of solid angle, in the frame of the view.
+pub fn squeezed([along, across]: [f64; 2], d: DVec3) -> (DVec3, f64) {
+    let m = DVec3::new(d.x / along, d.y / across, d.z);
+    let r = m.length() / d.length();
+    (m, 1.0 / (along * across * r * r * r))
+}
+
+/// Value of the lobes of a mixture: linear sRGB.
 pub fn mixture(m: &AnyMixture<'_>, d: DVec3) -> DVec3 {
     (0..m.len()).map(|k| mixture_lobe(m, k, d)).sum()
 }
 
-/// Value of lobe `k` of a mixture that is in the caller's frame.
+/// Value of lobe `k` of a mixture.
 pub fn mixture_lobe(m: &AnyMixture<'_>, k: usize, d: DVec3) -> DVec3 {
     let folded = m.domain() == Domain::Hemisphere;
     if folded && d.z < 0.0 {
         return DVec3::ZERO;
     }
+    let d = turned(m.azimuth_cos_sin().map(f64::from), d);
     let lobe = m.lobe(k).expect("lobe");
     let (axis, s) = (lobe.gaussian.axis.as_dvec3(), f64::from(lobe.gaussian.sharpness));
-    let (u, scale) = if k < m.squeezed_len() { squeezed(f64::from(m.squeeze()), d) } else { (d, 1.0) };
+    let squeeze = [m.squeeze_along(), m.squeeze()].map(f64::from);
+    let (u, scale) = if k < m.squeezed_len() { squeezed(squeeze, d) } else { (d, 1.0) };
     let fold = if folded { gaussian(axis, s, mirrored(u)) } else { 0.0 };
     lobe.amplitude.as_dvec3() * ((gaussian(axis, s, u) + fold) * scale)
 }
@@ -97,15 +104,16 @@ pub fn factor(
     plane(k) * (1.0 - c) + plane(k + 1) * c
 }
 
-/// Density of a mixture that is in the caller's frame.
-pub fn mixture_pdf(m: &AnyMixture<'_>, d: DVec3) -> f64 {
-    let power: f64 = (0..m.len())
-        .map(|k| {
-            let lobe = m.lobe(k).expect("lobe");
-            luminance(lobe.amplitude.as_dvec3()) * sphere_integral(f64::from(lobe.gaussian.sharpness))
-        })
-        .sum();
-    luminance(mixture(m, d)) / power
+/// Value of a mixture with its diffuse term, and its density.
+pub fn mixture_and_pdf(m: &AnyMixture<'_>, d: DVec3) -> (DVec3, f64) {
+    let diffuse = m.diffuse().as_dvec3();
+    let power = |k| {
+        let lobe = m.lobe(k).expect("lobe");
+        luminance(lobe.amplitude.as_dvec3()) * sphere_integral(f64::from(lobe.gaussian.sharpness))
+    };
+    let power: f64 = luminance(diffuse) + (0..m.len()).map(power).sum::<f64>();
+    let value = mixture(m, d) + diffuse * (d.z.max(0.0) / PI);
+    (value, luminance(value) / power)
 }
 
 /// Legendre polynomial by its three-term recurrence.

@@ -129,7 +129,7 @@ proptest! {
     ) {
         let domain = if sphere { Domain::Sphere } else { Domain::Hemisphere };
         let m = Random(seed).mixture(domain, count, squeeze);
-        let want = oracle::mixture_pdf(&m, d.as_dvec3());
+        let want = oracle::mixture_and_pdf(&m, d.as_dvec3()).1;
         let got = f64::from(m.pdf(d));
         // What left-out folds and the clamp of the exponent may take away, and 20 units of rounding.
         prop_assert!((got - want).abs() <= 6e-6 * want + 1e-7, "{got:e}, {want:e}");

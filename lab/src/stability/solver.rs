@@ -130,7 +130,7 @@ impl Case {
         let alive: Vec<usize> = (0..lobes.len()).filter(|&k| lobes[k][2] > -80.0).collect();
         let value = |k: usize, [angle, s, a]: [f64; 3], wi: DVec3| {
             let axis = DVec3::new(angle.sin(), 0.0, angle.cos());
-            let (u, scale) = if k < squeezed { oracle::squeezed(squeeze, wi) } else { (wi, 1.0) };
+            let (u, scale) = if k < squeezed { oracle::squeezed([1.0, squeeze], wi) } else { (wi, 1.0) };
             let both =
                 oracle::gaussian(axis, s.exp(), u) + oracle::gaussian(axis, s.exp(), oracle::mirrored(u));
             a.exp() * scale * both

@@ -139,7 +139,7 @@ impl Between {
     /// Luminance of `f cos` without factors, towards a direction in the frame of the view.
     fn value(&self, d: DVec3) -> f64 {
         let lobe = |(k, (axis, s, a)): (usize, &(DVec3, f64, f64))| {
-            let (u, scale) = if k == 0 { oracle::squeezed(self.squeeze, d) } else { (d, 1.0) };
+            let (u, scale) = if k == 0 { oracle::squeezed([1.0, self.squeeze], d) } else { (d, 1.0) };
             let both = oracle::gaussian(*axis, *s, u) + oracle::gaussian(*axis, *s, oracle::mirrored(u));
             a * both * scale
         };

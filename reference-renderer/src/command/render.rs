@@ -98,9 +98,9 @@ pub struct Args {
     /// Degrees that the shorter side of the picture sees
     #[arg(long, value_name = "DEGREES")]
     fov: Option<f32>,
-    /// Size of the picture in pixels
-    #[arg(long, default_value = "512x512", value_parser = argument::size, value_name = "WIDTHxHEIGHT")]
-    size: [u32; 2],
+    /// Size of the picture in pixels [default: 512x512; of the teapot 640x400]
+    #[arg(long, value_parser = argument::size, value_name = "WIDTHxHEIGHT")]
+    size: Option<[u32; 2]>,
     /// Samples a pixel
     #[arg(long, default_value_t = 64, value_parser = clap::value_parser!(u32).range(1..=1 << 24))]
     spp: u32,
@@ -292,7 +292,8 @@ fn render(args: &Args) -> anyhow::Result<()> {
             .map(|(material, sampler)| Shader { truth: material.truth(), sampler });
         scene = scene.with_skin(skin, std::iter::once(shader(Role::Object)).chain(rest).collect());
     }
-    let camera = standpoint(args)?.camera(args.size);
+    let size = args.size.unwrap_or(if args.scene == SceneName::Teapot { [640, 400] } else { [512, 512] });
+    let camera = standpoint(args)?.camera(size);
     let split = split(args);
     // The closed form is of colours, as they are in daylight.
     let has_closed_form = illuminant.as_ref().is_none_or(Illuminant::is_daylight);
@@ -307,9 +308,9 @@ fn render(args: &Args) -> anyhow::Result<()> {
         seed: args.seed,
     };
 
-    film::check_memory(args.size)?;
-    let mut film = Film::new(args.size);
-    let progress = Progress::new("rendering", args.size[1].into());
+    film::check_memory(size)?;
+    let mut film = Film::new(size);
+    let progress = Progress::new("rendering", size[1].into());
     let start = Instant::now();
     let samples = args.spp / split;
     let added = match &illuminant {
@@ -341,8 +342,8 @@ fn render(args: &Args) -> anyhow::Result<()> {
     let (paths, together) = (written(args)?, output::together());
     for path in &paths {
         match ending(path) == "png" {
-            true => picture_file::write_tone_mapped_png(path, args.size, &picture, exposure)?,
-            false => picture_file::write_exr(path, args.size, &picture)?,
+            true => picture_file::write_tone_mapped_png(path, size, &picture, exposure)?,
+            false => picture_file::write_exr(path, size, &picture)?,
         }
     }
     together.commit()?;
@@ -382,7 +383,7 @@ fn render(args: &Args) -> anyhow::Result<()> {
         println!("spectra: four wavelengths a path, under {}{smooth}", shown(&illuminant.name));
     }
     if args.explain {
-        let [paths, seconds] = around_lobes(&scene, &camera, args.size, &settings);
+        let [paths, seconds] = around_lobes(&scene, &camera, size, &settings);
         println!(
             "around the lobes: rays, normals and the order of the light take {:.0} ns a path, {:.0} % of the picture's time",
             1e9 * seconds / paths,

@@ -14,7 +14,7 @@ use srbf_core::{
 };
 use srbf_tests::inputs::Random;
 use srbf_tests::kinds::{Soa, for_each_level, packed};
-use srbf_tests::oracle::{gaussian, luminance, mirrored, share_within, sphere_integral, squeezed};
+use srbf_tests::oracle::{gaussian, luminance, mirrored, share_within, sphere_integral, squeezed, turned};
 use srbf_tests::seeds::same_without_azimuth;
 use srbf_tests::statistics::{binomial, chi_square, chi_square_tail, sidak};
 use std::collections::BTreeMap;
@@ -84,18 +84,15 @@ impl Seen {
         if is_folded && self.is_below != (d.z < 0.0) {
             return;
         }
-        let [c, s] = self.azimuth;
         let height = if is_folded { d.z.abs() } else { d.z };
-        let turned = DVec3::new(d.x * c + d.y * s, d.y * c - d.x * s, height);
-        let swapped = |d: DVec3| DVec3::new(d.y, d.x, d.z);
-        let (narrow, along) = squeezed(self.squeeze[0], swapped(turned));
-        let (narrow, across) = squeezed(self.squeeze[1], swapped(narrow));
+        let turned = turned(self.azimuth, d.with_z(height));
+        let (narrow, squeezed) = squeezed(self.squeeze, turned);
         for (place, part) in self.parts.iter().enumerate() {
             let Some((axis, sharpness)) = part.lobe else {
                 images.push((first + place, part.share * height / PI, turned));
                 continue;
             };
-            let (u, scale) = if part.is_squeezed { (narrow, along * across) } else { (turned, 1.0) };
+            let (u, scale) = if part.is_squeezed { (narrow, squeezed) } else { (turned, 1.0) };
             let height = part.share * scale / sphere_integral(sharpness);
             for u in [u, mirrored(u)].into_iter().take(1 + usize::from(is_folded)) {
                 images.push((first + place, height * gaussian(axis, sharpness, u), u));
