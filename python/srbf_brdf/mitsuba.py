@@ -7,7 +7,7 @@
     bsdf = mi.load_dict({"type": "srbf", "filename": "paint.srbf"})
 
 In the variants of Dr.Jit (LLVM, CUDA, with derivatives) it is traced and runs where they run. In scalar variants a plugin in C++ runs, once
-`python -m srbf_brdf.scalar` has compiled it; until then, and for sheets, Python is called at each hit. Colours are linear sRGB, or their
+`python -m srbf_brdf.scalar` has compiled it; until then Python is called at each hit. Colours are linear sRGB, or their
 luminance in monochrome variants. Spectral variants have the spectra of the colours:
 those that the fit keeps of measured wavelengths, or smooth ones. Polarized variants have light that leaves without polarization.
 
@@ -43,13 +43,14 @@ def register(name: str = "srbf", compiled: bool | None = None) -> None:
     variant = mi.variant()
     if variant is None:
         raise RuntimeError("a variant has to be set first: mitsuba.set_variant('llvm_ad_rgb')")
-    if not variant.startswith("scalar"):
-        of_material = _traced_class(mi)
-    elif compiled and not scalar.is_built():
+    is_scalar = variant.startswith("scalar")
+    if is_scalar and compiled and not scalar.is_built():
         raise RuntimeError("no plugin for this version of Mitsuba: `python -m srbf_brdf.scalar` compiles it")
+    if is_scalar and compiled is not False and scalar.is_built():
+        of_material = of_sheet = _compiled
     else:
-        of_material = _scalar_class(mi) if compiled is False or not scalar.is_built() else _compiled
-    of_sheet = _sheet_class(mi, of_material)
+        of_material = _scalar_class(mi) if is_scalar else _traced_class(mi)
+        of_sheet = _sheet_class(mi, of_material)
 
     def make(props):
         path = _path(props)
@@ -84,11 +85,11 @@ def _clamp(mi, props):
     return bool(props["clamp"]) if "clamp" in props else mi.variant().startswith("scalar") and not mi.is_spectral
 
 
-def _compiled(props, material):
+def _compiled(props, content):
     """For scalar variants: the plugin in C++, which `python -m srbf_brdf.scalar` has made."""
     import mitsuba as mi
 
-    return scalar.load(mi, material, tint=_tint(props), clamp=_clamp(mi, props))
+    return scalar.load(mi, content, tint=_tint(props), clamp=_clamp(mi, props))
 
 
 def _flags(mi, material):

@@ -1,4 +1,4 @@
-// A material as a BSDF of Mitsuba's scalar variants, which calls no Python. `python -m srbf_brdf.scalar` compiles it.
+// A material or a sheet as a BSDF of Mitsuba's scalar variants, which calls no Python. `python -m srbf_brdf.scalar` compiles it.
 
 #include "srbf_device.hpp"
 
@@ -27,15 +27,25 @@ public:
         // One more word, as the last one may be there in part.
         m_words.resize(bytes.size() / 4 + 1);
         std::memcpy(m_words.data(), bytes.data(), bytes.size());
-        if (!file || srbf_device::srbf_check(m_words.data(), m_words.size()) != 0)
-            Throw("srbf: %s: a material is expected", name);
-        m_material = srbf_device::srbf_material(m_words.data());
+        m_is_sheet = m_words.size() > 3 && m_words[3] == 2;
+        const auto check = m_is_sheet ? srbf_device::srbf_check_sheet : srbf_device::srbf_check;
+        if (!file || check(m_words.data(), m_words.size()) != 0)
+            Throw("srbf: %s: a material or a sheet is expected", name);
+        if (m_is_sheet)
+            m_sheet = srbf_device::srbf_sheet(m_words.data());
+        else
+            m_material = srbf_device::srbf_material(m_words.data());
         m_tint = props.get_texture<Texture>("tint", 1.f);
         m_clamp = props.get<bool>("clamp", true) || is_spectral_v<Spectrum>;
-        m_flags = BSDFFlags::GlossyReflection | BSDFFlags::FrontSide;
-        if (m_material.azimuths > 0)
-            m_flags = m_flags | BSDFFlags::Anisotropic;
-        m_components.push_back(m_flags);
+        uint32_t sides = m_is_sheet ? BSDFFlags::FrontSide | BSDFFlags::BackSide : +BSDFFlags::FrontSide;
+        if (is_anisotropic())
+            sides = sides | BSDFFlags::Anisotropic;
+        m_components.push_back(sides | BSDFFlags::GlossyReflection);
+        if (m_is_sheet)
+            m_components.push_back(sides | BSDFFlags::GlossyTransmission);
+        m_flags = 0;
+        for (const uint32_t flags : m_components)
+            m_flags = m_flags | flags;
     }
 
     void traverse(TraversalCallback *callback) override {
@@ -51,53 +61,79 @@ public:
     }
 
     std::pair<Spectrum, Float> eval_pdf(const BSDFContext &, const SurfaceInteraction3f &si, const Vector3f &wo, Mask active) const override {
-        if (!active || si.wi.z() <= 0 || wo.z() <= 0)
+        if (!is_seen(si, active) || (!m_is_sheet && wo.z() <= 0))
             return { 0.f, 0.f };
-        const srbf_device::SrbfValue found = srbf_device::srbf_evaluate(m_material, view(si), vec3(wo.x(), wo.y(), wo.z()));
-        return { spectrum(si, found.value), found.pdf };
+        const SrbfHalf half = seen(si, (si.wi.z() < 0) != (wo.z() < 0));
+        const srbf_device::SrbfValue found = srbf_device::srbf_half_evaluate(half, vec3(wo.x(), wo.y(), wo.z()));
+        return { spectrum(si, half, found.value), found.pdf };
     }
 
     std::pair<BSDFSample3f, Spectrum> sample(const BSDFContext &, const SurfaceInteraction3f &si, Float sample1, const Point2f &sample2,
                                              Mask active) const override {
         BSDFSample3f drawn = dr::zeros<BSDFSample3f>();
-        if (!active || si.wi.z() <= 0)
+        if (!is_seen(si, active))
             return { drawn, 0.f };
-        const vec3 u(sample1, sample2.x(), sample2.y());
-        const srbf_device::SrbfSample found = srbf_device::srbf_sample(m_material, view(si), u);
+        // The half that is drawn from alone: the number that chooses it is the text's own.
+        const float share = m_is_sheet ? srbf_device::srbf_reflected_share(m_sheet, towards(si)) : 1.f;
+        const bool is_through = sample1 >= share;
+        srbf_device::SrbfSheetView pair;
+        SrbfHalf &half = is_through ? pair.transmitted : pair.reflected;
+        half = seen(si, is_through);
+        pair.reflected.share = share;
+        const srbf_device::SrbfSample found = srbf_device::srbf_sheet_sample(pair, vec3(sample1, sample2.x(), sample2.y()));
         drawn.wo = Vector3f(found.wi.x, found.wi.y, found.wi.z);
         drawn.pdf = found.pdf;
         drawn.eta = 1.f;
-        drawn.sampled_type = +BSDFFlags::GlossyReflection;
-        return { drawn, spectrum(si, found.weight) };
+        drawn.sampled_type = is_through ? +BSDFFlags::GlossyTransmission : +BSDFFlags::GlossyReflection;
+        drawn.sampled_component = is_through;
+        return { drawn, spectrum(si, half, found.weight) };
     }
 
     Spectrum eval_diffuse_reflectance(const SurfaceInteraction3f &si, Mask active) const override {
-        if (!active || si.wi.z() <= 0)
-            return 0.f;
-        const srbf_device::SrbfView seen = view(si);
-        vec3 albedo = seen.albedo;
-        if (m_material.half_nodes > 0) {
-            const auto change = [&](int i) { return srbf_device::srbf_between(m_material, seen, m_material.differences, 3, i); };
-            albedo = albedo + vec3(change(0), change(1), change(2)) * seen.power;
+        Spectrum albedo(0.f);
+        for (const bool is_through : { false, true }) {
+            if (!is_seen(si, active) || (is_through && !m_is_sheet))
+                continue;
+            const SrbfHalf half = seen(si, is_through);
+            albedo += spectrum(si, half, srbf_device::srbf_half_albedo(half));
         }
-        return spectrum(si, albedo);
+        return albedo;
     }
 
-    std::string to_string() const override { return tfm::format("Srbf[%i lobes, compiled]", m_material.lobes + m_material.mirrored); }
+    std::string to_string() const override { return tfm::format("Srbf[%s, compiled]", m_is_sheet ? "sheet" : "material"); }
 
     MI_DECLARE_CLASS(SrbfScalar)
 
 private:
-    srbf_device::SrbfView view(const SurfaceInteraction3f &si) const {
-        return srbf_device::srbf_prepare(m_material, vec3(si.wi.x(), si.wi.y(), si.wi.z()));
+    using SrbfHalf = srbf_device::SrbfHalf;
+
+    static vec3 towards(const SurfaceInteraction3f &si) { return vec3(si.wi.x(), si.wi.y(), si.wi.z()); }
+
+    bool is_seen(const SurfaceInteraction3f &si, Mask active) const { return active && (m_is_sheet || si.wi.z() > 0); }
+
+    bool is_anisotropic() const {
+        if (!m_is_sheet)
+            return m_material.azimuths > 0;
+        for (const int at : { m_sheet.front_reflection, m_sheet.front_transmission, m_sheet.back_reflection, m_sheet.back_transmission }) {
+            if (at > 0 && srbf_device::srbf_material(m_words.data() + at).azimuths > 0)
+                return true;
+        }
+        return false;
+    }
+
+    // Reflection or transmission. A material is the reflection of a sheet that has no other quarter.
+    SrbfHalf seen(const SurfaceInteraction3f &si, bool is_through) const {
+        if (m_is_sheet)
+            return srbf_device::srbf_sheet_half(m_sheet, towards(si), is_through);
+        return { m_material, srbf_device::srbf_prepare(m_material, towards(si)), 1.f, false };
     }
 
     // A colour, or its values at the wavelengths of a path.
-    Spectrum spectrum(const SurfaceInteraction3f &si, vec3 rgb) const {
+    Spectrum spectrum(const SurfaceInteraction3f &si, const SrbfHalf &half, vec3 rgb) const {
         UnpolarizedSpectrum value(0.f);
         if constexpr (is_spectral_v<Spectrum>) {
             for (size_t w = 0; w < value.size(); ++w)
-                value[w] = srbf_device::srbf_dot(srbf_device::srbf_primary(m_material, si.wavelengths[w]), rgb);
+                value[w] = srbf_device::srbf_dot(srbf_device::srbf_primary(half.material, si.wavelengths[w]), rgb);
         } else {
             value = UnpolarizedSpectrum(rgb.x, rgb.y, rgb.z);
         }
@@ -107,7 +143,9 @@ private:
     }
 
     std::vector<uint32_t> m_words;
+    bool m_is_sheet;
     srbf_device::SrbfMaterial m_material;
+    srbf_device::SrbfSheet m_sheet;
     ref<Texture> m_tint;
     bool m_clamp;
 

@@ -93,16 +93,18 @@ def build() -> pathlib.Path:
     return kept
 
 
-def load(mi, material, **parameters):
-    """The compiled BSDF of a material, with its other parameters."""
+def load(mi, content, **parameters):
+    """The compiled BSDF of a material or a sheet, with its other parameters."""
+    from . import _native
+
     resolver = mi.file_resolver()
     if str(HERE) not in map(str, resolver):
         resolver.append(str(HERE))
-    # The plugin reads a file, and a quarter of a sheet has none.
     with tempfile.TemporaryDirectory() as folder:
-        path = os.path.join(folder, "material.srbf")
-        material.save(path)
-        return mi.load_dict({"type": name(), "filename": path, **parameters})
+        # The file that was loaded may be packed.
+        path = pathlib.Path(folder, "plain.srbf")
+        path.write_bytes(_native._plain_bytes(content.to_bytes()))
+        return mi.load_dict({"type": name(), "filename": str(path), **parameters})
 
 
 if __name__ == "__main__":

@@ -13,13 +13,17 @@ mod source;
 mod table;
 mod verbs;
 
+use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
+use pyo3::types::PyBytes;
+use srbf_evaluator::Surface;
 
 /// Native part of `srbf_brdf`.
 #[pymodule]
 fn _native(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add("__version__", env!("CARGO_PKG_VERSION"))?;
-    module.add("_DEVICE_HEADER", include_str!("../../include/srbf_device.hpp"))?;
+    module.add("_DEVICE_HEADER", srbf_evaluator::sheet_text(srbf_evaluator::Language::Cpp))?;
+    module.add_function(wrap_pyfunction!(_plain_bytes, module)?)?;
     module.add("FitError", module.py().get_type::<error::FitError>())?;
     module.add_class::<material::Material>()?;
     module.add_class::<sheet::Sheet>()?;
@@ -29,4 +33,16 @@ fn _native(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add_function(wrap_pyfunction!(table::table, module)?)?;
     module.add_function(wrap_pyfunction!(fit::fit, module)?)?;
     module.add_function(wrap_pyfunction!(fit::fit_sheet, module)?)
+}
+
+/// The bytes of a material or a sheet as the text of `_DEVICE_HEADER` reads them: in plain numbers.
+#[pyfunction]
+fn _plain_bytes<'py>(py: Python<'py>, bytes: &[u8]) -> PyResult<Bound<'py, PyBytes>> {
+    let surface = Surface::from_bytes(bytes).map_err(error::value)?;
+    if !surface.can_read() {
+        return Err(PyValueError::new_err(
+            "a file of version 1 is not read by the compiled plugin: register(compiled=False) reads it",
+        ));
+    }
+    Ok(PyBytes::new(py, &surface.plain_bytes()))
 }

@@ -50,3 +50,4 @@ def test_a_material_in_mitsuba(folder):
     # In a process of its own, as one cannot hold two of Mitsuba's variants; the scalar one needs no LLVM.
     program = blocks()[1].replace("llvm_ad_rgb", "scalar_rgb") + "\nassert isinstance(bsdf, mi.BSDF) and bsdf.flags()\n"
     subprocess.run([sys.executable, "-c", program], check=True)
+    assert (folder / "ball.png").read_bytes().startswith(b"\x89PNG")

@@ -88,14 +88,17 @@ def traced(material, wo, wi, u):
 
 
 @of_spectral
-def test_values_at_wavelengths_are_those_of_core(materials):
+def test_values_at_wavelengths_are_those_of_core(materials, tmp_path):
     """Of a path with four wavelengths; light that leaves is not polarized."""
     wo, wi, _ = spread(20 if "scalar" in VARIANT else 1000)
     nm = np.random.default_rng(5).uniform(380, 760, (len(wo), 4)).astype(np.float32)
     ctx = mi.BSDFContext()
-    for name, path in materials.items():
-        material, traced = srbf.load(path), bsdf(path)
+    sheet = tmp_path / "sheet.srbf"
+    srbf.Sheet.join(front_transmission=srbf.load(materials["isotropic"])).save(sheet)
+    for name, path in [*materials.items(), ("sheet", sheet)]:
+        material, traced = srbf.load(materials.get(name, materials["isotropic"])), bsdf(path)
         want = np.stack([material.primaries(w).of(rgb) for w, rgb in zip(nm, material.evaluate(wo, wi))])
+        wi = np.float32(wi * [1, 1, -1]) if name == "sheet" else wi
         if "scalar" in VARIANT:
             got = []
             for o, i, w in zip(wo, wi, nm):
@@ -145,16 +148,34 @@ def test_values_and_draws_are_those_of_core(materials):
 
 
 @of_variant
+def test_packed_files_are_those_of_core(tmp_path):
+    packed = srbf.load(ROOT / "fuzz/seeds/material/packed")
+    sheet = srbf.Sheet.join(front_reflection=packed, front_transmission=packed, symmetric=True)
+    wo, wi, u = spread(100 if "scalar" in VARIANT else 4096)
+    for name, content in ("material", packed), ("sheet", sheet):
+        path = tmp_path / f"{name}.srbf"
+        content.save(path)
+        check(name, path, content, wo, wi, u)
+    if COMPILED:
+        with pytest.raises(Exception, match="version 1"):
+            bsdf(ROOT / "tests/corpus/version1.srbf")
+
+
+@of_variant
 def test_a_sheet_is_that_of_core_on_both_sides(tmp_path):
     names = ("front_reflection", "front_transmission", "back_reflection", "back_transmission")
     presets = (srbf.load(str(path)) for path in [*PRESETS, GARNET])
-    sheet = srbf.Sheet.join(**dict(zip(names, presets)))
-    path = tmp_path / "sheet.srbf"
-    sheet.save(path)
+    four = srbf.Sheet.join(**dict(zip(names, presets)))
+    alike = srbf.Sheet.join(front_reflection=four.quarter(names[1]), front_transmission=four.quarter(names[2]), symmetric=True)
     wo, wi, u = spread(100 if "scalar" in VARIANT else 4096)
     wo[::2, 2] *= -1
     wi[::3, 2] *= -1
-    check("sheet", path, sheet, wo, wi, u)
+    for name, sheet in ("four", four), ("alike", alike):
+        path = tmp_path / f"{name}.srbf"
+        sheet.save(path)
+        check(name, path, sheet, wo, wi, u)
+        assert COMPILED == ("compiled" in str(bsdf(path)))
+        assert {mi.has_flag(bsdf(path).flags(), flag) for flag in (mi.BSDFFlags.GlossyTransmission, mi.BSDFFlags.BackSide)} == {True}
 
 
 @pytest.mark.skipif(VARIANT is not None, reason="asked once")

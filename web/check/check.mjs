@@ -3,13 +3,16 @@
 // PAGE is a folder of `packaging/web`. MEASURED files are fitted, the first with a limit in seconds. Screenshots go to PAGE/shots.
 
 import { spawn, spawnSync } from "node:child_process";
-import { mkdirSync, readFileSync, rmSync, truncateSync, writeFileSync } from "node:fs";
-import { join, resolve } from "node:path";
-import { pathToFileURL } from "node:url";
+import { copyFileSync, mkdirSync, readFileSync, rmSync, truncateSync, writeFileSync } from "node:fs";
+import { dirname, join, resolve } from "node:path";
+import { fileURLToPath, pathToFileURL } from "node:url";
 import { open, start } from "./browser.mjs";
-import { exr, png, radiance } from "./pictures.mjs";
+import { script } from "./modules.mjs";
+import { png, radiance } from "./pictures.mjs";
 
+const { exr } = await script("exr.js");
 const [folder, program, srbf, ...measured] = process.argv.slice(2).map((path) => resolve(path));
+const seeds = join(dirname(fileURLToPath(import.meta.url)), "..", "..", "fuzz", "seeds", "scene-exr");
 const [SIDE, BLOCK, PICTURES] = [96, 8, 32];
 const MOST_NOISES = 1.5, MOST_NOISE = 0.03;
 const shots = join(folder, "shots"), taken = join(folder, "taken");
@@ -63,18 +66,19 @@ function turnedOver(rows, count) {
 async function balls(page) {
     console.log("balls: difference from srbf render over the mean, noise of both, difference in noises");
     const lights = await page.call("[...document.querySelectorAll('#lights input')].map((one) => one.value)");
-    for (const [name, size, material, lamp, isOwn] of [["sky", [512, 256], "cayman"], ["lamps", [1024, 512], "garnet_red"], ["lamps", [1024, 512], "garnet_red", "A"], ["room", [1024, 512], "gold"], ["sky", [512, 256], "garnet_red", undefined, true]]) {
+    for (const [name, size, material, lamp, isOwn] of [["sky", [512, 256], "cayman"], ["lamps", [1024, 512], "garnet_red"], ["lamps", [1024, 512], "garnet_red", "A"], ["room", [1024, 512], "gold"], ["sky", [512, 256], "garnet_red", undefined, true], ["zip", null, "garnet_red", undefined, true]]) {
         const light = lights.indexOf(name);
-        const numbers = await page.call(`Array.from(srbf.tracer.map(${light}, ${size[0]}, ${size[1]}))`);
-        const map = join(taken, `${name}.hdr`);
-        writeFileSync(map, radiance(numbers, ...size));
-        const references = [0, 1].map((seed) => {
+        const map = join(taken, size ? `${name}.hdr` : `${name}.exr`);
+        if (size) writeFileSync(map, radiance(await page.call(`Array.from(srbf.tracer.map(${light}, ${size[0]}, ${size[1]}))`), ...size));
+        else copyFileSync(join(seeds, name), map);
+        const references = [];
+        for (const seed of [0, 1]) {
             const to = join(taken, `${material}-${seed}.exr`), file = join(folder, "presets", `${material}.srbf`);
             const spectral = lamp ? ["--spectral", lamp] : [];
             command("render", "--quiet", ...spectral, "--scene", "sphere", "--material", file, "--env", map, "--size", `${SIDE}x${SIDE}`, "--spp", "64", "--seed", String(seed), "-o", to);
-            return blocks(exr(readFileSync(to)).pixels, 3);
-        });
-        await page.call(`document.querySelector("#illuminants [value=${lamp ?? "D65"}]").click(), document.querySelector("[data-name=${material}]").click(), srbf.tracer.light = ${light}, srbf.tracer.home()`);
+            references.push(blocks((await exr(readFileSync(to), to)).numbers, 4));
+        }
+        await page.call(`document.querySelector("#illuminants [value=${lamp ?? "D65"}]").click(), document.querySelector("[data-name=${material}]").click(), srbf.tracer.light = ${Math.max(light, 0)}, srbf.tracer.home()`);
         // The same light as a picture of one's own.
         if (isOwn) {
             await page.give("#own-light", [map]);
@@ -88,14 +92,14 @@ async function balls(page) {
         const [ours, theirs] = [both(...halves), both(...references)];
         const noise = 0.5 * Math.hypot(apart(...halves), apart(...references));
         const difference = apart(ours, theirs);
-        console.log(`  ${material} under ${name}${lamp ? `, ${lamp}` : ""}${isOwn ? ", as a picture" : ""}: ${(100 * difference).toFixed(2)} %, noise ${(100 * noise).toFixed(2)} %, ${(difference / noise).toFixed(2)} noises`);
+        console.log(`  ${material} under ${name}${lamp ? `, ${lamp}` : ""}${isOwn ? `, as ${map.slice(-3)}` : ""}: ${(100 * difference).toFixed(2)} %, noise ${(100 * noise).toFixed(2)} %, ${(difference / noise).toFixed(2)} noises`);
         expectThat(difference <= MOST_NOISES * noise && noise > 0 && noise < MOST_NOISE, `the ball of ${material} under ${name} is that of srbf render`);
     }
     await page.call(`document.querySelector("#illuminants [value=D65]").click(), document.querySelector("#lights [value=room]").click()`);
     // Pictures that are none.
     const map = readFileSync(join(taken, "sky.hdr"));
     const head = (text) => Buffer.concat([Buffer.from(`#?RADIANCE\nFORMAT=32-bit_rle_rgbe\n\n${text}\n`), Buffer.alloc(64)]);
-    for (const [name, bytes, said] of [["short", map.subarray(0, 5000), "the file ends in row"], ["picture", Buffer.from("v/1\x01"), "Radiance picture"], ["large", head("-Y 16384 +X 16384"), "16384 x 16384"], ["turned", head("+X 4 +Y 4"), "-Y HEIGHT +X WIDTH"], ["dark", head("-Y 4 +X 4"), "some light"]]) {
+    for (const [name, bytes, said] of [["short", map.subarray(0, 5000), "the file ends in row"], ["picture", Buffer.from("P6 1 1"), "Radiance (.hdr) or OpenEXR (.exr)"], ["half", readFileSync(join(seeds, "zip")).subarray(0, 900), "ends within block"], ["losses", readFileSync(join(seeds, "losses")), "PXR24 is there; `oiiotool"], ["large", head("-Y 16384 +X 16384"), "16384 x 16384"], ["turned", head("+X 4 +Y 4"), "-Y HEIGHT +X WIDTH"], ["dark", head("-Y 4 +X 4"), "some light"]]) {
         writeFileSync(join(taken, `${name}.hdr`), bytes);
         await page.give("#own-light", [join(taken, `${name}.hdr`)]);
         await page.until(`document.getElementById("notice").textContent.startsWith("${name}.hdr: ")`);

@@ -2,25 +2,20 @@
 //
 // Needs no browser. Says the result as `cargo test` does, for fuzz/plant.
 
-import { copyFileSync, mkdtempSync, readFileSync, readdirSync, rmSync, writeFileSync } from "node:fs";
-import { tmpdir } from "node:os";
+import { readFileSync, readdirSync } from "node:fs";
 import { dirname, join } from "node:path";
-import { fileURLToPath, pathToFileURL } from "node:url";
+import { fileURLToPath } from "node:url";
 import { runInNewContext } from "node:vm";
+import { script } from "./modules.mjs";
 
 const root = join(dirname(fileURLToPath(import.meta.url)), "..", "..");
 const preset = new Uint8Array(readFileSync(join(root, "presets", "cayman.srbf")));
 const GIGABYTE = 2 ** 30, LITTLE = 4096;
 
-// As modules: in the page they are one script.
-const place = mkdtempSync(join(tmpdir(), "srbf-heads-"));
-process.on("exit", () => rmSync(place, { recursive: true, force: true }));
-for (const name of readdirSync(join(root, "web", "page")).filter((name) => name.endsWith(".js"))) copyFileSync(join(root, "web", "page", name), join(place, name));
-writeFileSync(join(place, "package.json"), `{ "type": "module" }`);
 globalThis.self = globalThis;
-const { lobesOf, looked, opened } = await import(pathToFileURL(join(place, "opener.js")));
-const { quartersOf, received, wordsOf } = await import(pathToFileURL(join(place, "words.js")));
-const { radiance } = await import(pathToFileURL(join(place, "radiance.js")));
+const { lobesOf, looked, opened } = await script("opener.js");
+const { quartersOf, received, wordsOf } = await script("words.js");
+const { lightOf } = await script("exr.js");
 
 // The worker of the page, with a fitter that gives the file back.
 const memory = { buffer: new ArrayBuffer(1 << 16) };
@@ -42,6 +37,8 @@ globalThis.Worker = class {
     postMessage(data) { this.ready.then((own) => own.onmessage({ data })); }
     terminate() {}
 };
+// fetch has a module of its own, which it compiles when it is first called.
+await fetch("data:,");
 WebAssembly.compile = async () => "a module";
 
 let [passed, failed] = [0, 0];
@@ -196,29 +193,81 @@ expectThat(lobesOf(wordsOf(red, "red", 1024)) === 12, "mirrored lobes are counte
 const headOf = (width, height) => new TextEncoder().encode(`#?RADIANCE\nEXPOSURE=2\nFORMAT=32-bit_rle_rgbe\n\n-Y ${height} +X ${width}\n`);
 const fileOf = (width, height, rows) => Uint8Array.from([...headOf(width, height), ...rows]);
 const [red0, grey] = [[128, 0, 0, 129], [128, 128, 128, 130]];
-const flat = radiance(fileOf(2, 2, [...red0, ...grey, ...grey, ...red0]), "flat");
+const flat = await lightOf(fileOf(2, 2, [...red0, ...grey, ...grey, ...red0]), "flat");
 expectThat([0.5, 0, 0, 1, 1, 1, 1, 1].every((v, n) => flat.numbers[n] === v), `pixels are numbers: ${flat.numbers}`);
-const repeated = radiance(fileOf(4, 1, [...red0, 1, 1, 1, 2, ...grey]), "repeated");
+const repeated = await lightOf(fileOf(4, 1, [...red0, 1, 1, 1, 2, ...grey]), "repeated");
 expectThat([0, 4, 8, 12].every((at, n) => repeated.numbers[at] === [0.5, 0.5, 0.5, 1][n]), "old runs repeat a pixel");
 const runs = fileOf(8, 1, [2, 2, 0, 8, 128 + 8, 128, 4, 1, 2, 3, 4, 128 + 4, 9, 128 + 8, 0, 128 + 8, 129]);
-expectThat(radiance(runs, "runs").numbers[4 * 2 + 1] === 3 / 256, "new runs are of one channel");
+expectThat((await lightOf(runs, "runs")).numbers[4 * 2 + 1] === 3 / 256, "new runs are of one channel");
+
+/** The number that a picture of `fuzz/seeds` has in a channel, as `tests/src/bin/seeds.rs` makes it. */
+function seeded(title, x, y, c) {
+    if (title !== "many-values") return [Math.fround(x / 3), y / 4 + x / 16, (x * y) % 32][c];
+    const bits = 640 * y + x, power = bits >> 10, rest = (bits & 1023) / 1024;
+    return power ? (1 + rest) * 2 ** (power - 15) : rest * 2 ** -14;
+}
+const folder = join(root, "fuzz", "seeds", "scene-exr"), seeds = new Map(readdirSync(folder).map((title) => [title, new Uint8Array(readFileSync(join(folder, title)))]));
+for (const [title, size] of [["none", "5 x 3"], ["tiles", "19 x 34"], ["rows", "19 x 34"], ["zip", "40 x 20"], ["wavelets", "19 x 34"], ["many-values", "640 x 32"]]) {
+    const { width, height, numbers } = await lightOf(seeds.get(title), title);
+    const wrong = numbers.findIndex((v, n) => v !== ((n & 3) === 3 ? 1 : seeded(title, (n >> 2) % width, Math.floor((n >> 2) / width), n & 3)));
+    expectThat(`${width} x ${height}` === size && wrong < 0, `${title} is read: ${width} x ${height}, number ${wrong} is ${numbers[wrong]}`);
+}
+
+/** A seed after a change of its bytes behind a text of its head. */
+function changed(title, text, change) {
+    const bytes = seeds.get(title).slice(), at = Buffer.from(bytes).indexOf(text, "latin1") + text.length;
+    change(new DataView(bytes.buffer, at), bytes);
+    return bytes;
+}
+const WINDOW = "dataWindow\0box2i\0\x10\0\0\0", KIND = "compression\0compression\0\x01\0\0\0", PLACES = "chlist\0";
+for (const [bytes, words] of [
+    [seeds.get("losses"), ["PXR24 is there", "oiiotool"]],
+    [changed("zip", KIND, (view) => view.setUint8(0, 99)), ["99 is there"]],
+    [changed("zip", WINDOW, (view) => view.setInt32(8, 16384, true)), ["16385 x 20"]],
+    [changed("zip", WINDOW, (view) => view.setInt32(8, 16383, true)), ["16384 x 20", "too few"]],
+    [changed("zip", WINDOW, (view) => view.setInt32(8, -1, true)), ["0 x 20"]],
+    [changed("none", PLACES, (view) => view.setUint8(4, 81)), ["R, G and B, or Y", "Q, G, R are there"]],
+    [changed("none", PLACES, (view) => view.setInt32(18, 2, true)), ["fewer samples"]],
+    [changed("none", "", (view) => view.setUint32(4, 0x1002, true)), ["one part"]],
+    [changed("none", "", (view) => view.setUint32(4, 1, true)), ["version 2"]],
+    [changed("none", "", (view, all) => view.setUint32(all.length - 4, 0x7f800000, true)), ["column 4, row 2", "Infinity"]],
+    [changed("none", "", (view, all) => view.setFloat32(all.length - 4, -0.5, true)), ["column 4, row 2", "-0.5"]],
+    [seeds.get("none").subarray(0, -1), ["ends within block 2 of 3"]],
+]) {
+    const error = await message(lightOf(bytes, "it"));
+    expectThat(says(error, ["it: ", ...words]), `a picture is refused: "${error}", not "${words.join()}"`);
+}
+const below = await lightOf(changed("none", "", (view, all) => view.setFloat32(all.length - 4, -0.01, true)), "below");
+expectThat(below.numbers[4 * 14] === 0, "a value a little below 0 is 0");
+
 let sentences = 0;
-const damaged = (bytes) => {
+const damaged = async (bytes) => {
     try {
-        const { width, height, numbers } = radiance(bytes, "damaged.hdr");
+        const { width, height, numbers } = await lightOf(bytes, "damaged");
         return numbers.length === 4 * width * height;
     } catch (error) {
         sentences += 1;
-        return error.constructor === Error && error.message.startsWith("damaged.hdr: ");
+        return error.constructor === Error && error.message.startsWith("damaged: ");
     }
 };
 let isSound = true, seed = 1;
 const some = (n) => (seed = (seed * 48271) % 2147483647) % n;
-for (let n = 0; n <= runs.length; n++) isSound &&= damaged(runs.slice(0, n));
-for (let n = 0; n < 20000; n++) isSound &&= damaged(runs.map((byte) => (some(12) === 0 ? some(256) : byte)));
-for (const [width, height] of [[0, 4], [16384, 16384], [99999, 1], [1e9, 1e9], [4, 16384]]) isSound &&= damaged(fileOf(width, height, [0, 0, 0, 0]));
-for (const text of ["", "#?", "v/1\x01", `#?${"a".repeat(1 << 15)}`, "#?RADIANCE\nFORMAT=32-bit_rle_xyze\n\n-Y 1 +X 1\nabcd", "#?RADIANCE\nEXPOSURE=0\n\n-Y 1 +X 1\nabcd"]) isSound &&= damaged(new TextEncoder().encode(text));
-expectThat(isSound && sentences > 1000, `damaged pictures are refused in a sentence (${sentences})`);
+for (let n = 0; n <= runs.length; n++) isSound &&= await damaged(runs.slice(0, n));
+for (let n = 0; n < 20000; n++) isSound &&= await damaged(runs.map((byte) => (some(12) === 0 ? some(256) : byte)));
+for (const [width, height] of [[0, 4], [16384, 16384], [99999, 1], [1e9, 1e9], [4, 16384]]) isSound &&= await damaged(fileOf(width, height, [0, 0, 0, 0]));
+for (const text of ["", "#?", "v/1\x01", `#?${"a".repeat(1 << 15)}`, "#?RADIANCE\nFORMAT=32-bit_rle_xyze\n\n-Y 1 +X 1\nabcd", "#?RADIANCE\nEXPOSURE=0\n\n-Y 1 +X 1\nabcd"]) isSound &&= await damaged(Uint8Array.from(text, (letter) => letter.charCodeAt(0)));
+expectThat(isSound && sentences > 1000, `damaged pictures of Radiance are refused in a sentence (${sentences})`);
+for (const [title, bytes] of seeds) {
+    sentences = 0;
+    for (let n = 0; n < 100; n++) isSound &&= await damaged(bytes.subarray(0, some(bytes.length)));
+    expectThat(isSound && sentences === 100, `${title} in part is refused in a sentence (${sentences})`);
+    for (let n = 0; n < 200; n++) {
+        const other = bytes.slice();
+        for (let k = 0; k <= n % 4; k++) other[some(bytes.length)] = some(256);
+        isSound &&= await damaged(other);
+    }
+    expectThat(isSound, `${title} with damage is refused in a sentence, or read`);
+}
 
 console.log(failed === 0 ? `test result: ok. ${passed} passed` : `error: test failed, ${failed} of ${passed + failed}`);
 process.exit(failed === 0 ? 0 : 1);

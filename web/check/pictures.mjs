@@ -1,4 +1,4 @@
-// Pictures of numbers: Radiance and PNG files are written, EXR files of `srbf render` are read.
+// Pictures of numbers as files of Radiance and PNG.
 
 import { deflateSync } from "node:zlib";
 
@@ -31,61 +31,4 @@ export function radiance(numbers, width, height) {
         pixels[4 * i + 3] = exponent + 128;
     }
     return Buffer.concat([head, pixels]);
-}
-
-/** Runs of bytes, as EXR packs them. */
-function unpacked(bytes, size) {
-    const out = Buffer.alloc(size);
-    for (let from = 0, to = 0; from < bytes.length;) {
-        const count = bytes.readInt8(from++);
-        if (count < 0) {
-            bytes.copy(out, to, from, from - count);
-            [from, to] = [from - count, to - count];
-        } else {
-            out.fill(bytes[from++], to, to + count + 1);
-            to += count + 1;
-        }
-    }
-    // Differences, then the first halves of numbers before the second.
-    for (let i = 1; i < size; i++) out[i] = (out[i - 1] + out[i] - 128) & 255;
-    const whole = Buffer.alloc(size);
-    const half = (size + 1) >> 1;
-    for (let i = 0; i < size; i++) whole[i] = out[(i >> 1) + (i & 1) * half];
-    return whole;
-}
-
-/** Red, green, blue of an EXR file of `srbf render`, which has tiles, rows from the top: `{ width, height, pixels }`. */
-export function exr(bytes) {
-    let at = 8, width = 0, height = 0, compression = -1, side = 0;
-    const word = () => {
-        const end = bytes.indexOf(0, at), text = bytes.toString("latin1", at, end);
-        at = end + 1;
-        return text;
-    };
-    for (let name = word(); name !== ""; name = word()) {
-        word();
-        const size = bytes.readInt32LE(at);
-        at += 4;
-        if (name === "dataWindow") [width, height] = [bytes.readInt32LE(at + 8) - bytes.readInt32LE(at) + 1, bytes.readInt32LE(at + 12) - bytes.readInt32LE(at + 4) + 1];
-        if (name === "compression") compression = bytes[at];
-        if (name === "tiles") side = bytes.readInt32LE(at);
-        at += size;
-    }
-    if (compression !== 1 || side === 0) throw new Error(`EXR of compression ${compression}, tiles of ${side}: runs and tiles are expected`);
-    const pixels = new Float32Array(3 * width * height);
-    const count = Math.ceil(width / side) * Math.ceil(height / side);
-    for (let tile = 0; tile < count; tile++) {
-        const start = Number(bytes.readBigUInt64LE(at + 8 * tile));
-        const [left, top] = [side * bytes.readInt32LE(start), side * bytes.readInt32LE(start + 4)];
-        const [across, down, size] = [Math.min(side, width - left), Math.min(side, height - top), bytes.readInt32LE(start + 16)];
-        const packed = bytes.subarray(start + 20, start + 20 + size);
-        const all = size < 12 * across * down ? unpacked(packed, 12 * across * down) : packed;
-        // Line by line, in each the channels by the alphabet: blue, green, red.
-        for (let y = 0; y < down; y++) {
-            for (let c = 0; c < 3; c++) {
-                for (let x = 0; x < across; x++) pixels[3 * ((top + y) * width + left + x) + 2 - c] = all.readFloatLE(4 * ((3 * y + c) * across + x));
-            }
-        }
-    }
-    return { width, height, pixels };
 }

@@ -1,6 +1,7 @@
 // The page: what is clicked, dropped and shown.
 import { DAYLIGHT, LIGHTS, PARTS, SHAPES, SIDES, Tracer } from "./tracer.js";
-import { MOST_HDR, isRadiance, radiance } from "./radiance.js";
+import { MOST_LIGHT } from "./radiance.js";
+import { isLight, lightOf } from "./exr.js";
 import { COLUMNS, columnOf, draw, drawSpectrum, nearest } from "./plot.js";
 import { exported, hasFitter, looked, opened } from "./opener.js";
 import { Palette } from "./palette.js";
@@ -124,8 +125,8 @@ async function ownLight(file) {
     say(null);
     try {
         if (!tracer) throw new Error(`${file.name}: without WebGL no light is seen`);
-        if (file.size > MOST_HDR) throw new Error(`${file.name}: a Radiance picture (.hdr) of at most ${MOST_HDR} bytes is expected; ${file.size} are there`);
-        const map = radiance(new Uint8Array(await file.arrayBuffer()), file.name);
+        if (file.size > MOST_LIGHT) throw new Error(`${file.name}: a picture of light of at most ${MOST_LIGHT} bytes is expected; ${file.size} are there`);
+        const map = await lightOf(new Uint8Array(await file.arrayBuffer()), file.name);
         try {
             tracer.setOwn(map);
         } catch (error) {
@@ -375,7 +376,7 @@ function show(material) {
 /** Opens a file, and fits it if it is a measurement. */
 async function open(file) {
     say(null);
-    if (isRadiance(new Uint8Array(await file.slice(0, 2).arrayBuffer()))) return ownLight(file);
+    if (isLight(new Uint8Array(await file.slice(0, 4).arrayBuffer()))) return ownLight(file);
     fitting?.end();
     let isMaterial = false;
     try {

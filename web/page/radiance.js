@@ -1,8 +1,12 @@
 // Radiance pictures (.hdr), read with every bound checked. It imports nothing, and needs no browser.
 
-/** Most bytes of a file, most pixels along a side, and most of all. */
-export const MOST_HDR = 1 << 27;
-const MOST_SIDE = 1 << 14, MOST_PIXELS = 1 << 25, MOST_HEAD = 1 << 14;
+/** Most bytes of a file of light. */
+export const MOST_LIGHT = 1 << 27;
+/** Most pixels along a side. */
+export const MOST_SIDE = 1 << 14;
+/** Most pixels of all. */
+export const MOST_PIXELS = 1 << 25;
+const MOST_HEAD = 1 << 14;
 
 /** Whether the first bytes are those of a Radiance picture. */
 export const isRadiance = (bytes) => bytes[0] === 35 && bytes[1] === 63;
@@ -14,7 +18,7 @@ export const isRadiance = (bytes) => bytes[0] === 35 && bytes[1] === 63;
  */
 export function radiance(bytes, name) {
     const expect = (holds, what) => { if (!holds) throw new Error(`${name}: ${what}`); };
-    expect(isRadiance(bytes), "a Radiance picture (.hdr) is expected, whose first characters are #?; `oiiotool` and most editors of pictures write one of an EXR file");
+    expect(isRadiance(bytes), "a Radiance picture (.hdr) is expected, whose first characters are #?");
     let at = 0, scale = 1, format = "";
     const line = () => {
         const end = bytes.indexOf(10, at);

@@ -25,9 +25,10 @@ pub struct Teapot<'a> {
 }
 
 /// The scripts, each after those that it imports.
-const SCRIPTS: [&str; 8] = [
+const SCRIPTS: [&str; 9] = [
     include_str!("../page/words.js"),
     include_str!("../page/radiance.js"),
+    include_str!("../page/exr.js"),
     include_str!("../page/tree.js"),
     include_str!("../page/tracer.js"),
     include_str!("../page/plot.js"),

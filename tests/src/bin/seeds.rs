@@ -2,6 +2,11 @@
 //!
 //! `cargo run --release -p srbf-tests --bin seeds` writes them; with `--check` it compares them with the files that are there.
 
+use exr::image::write::layers::WritableLayers;
+use exr::prelude::{
+    Blocks, Compression, Encoding, Image, Layer, LayerAttributes, LineOrder, SpecificChannels, Vec2,
+    WritableImage, f16,
+};
 use srbf_core::{Environment, Material, PackOptions, Sheet, environment_len};
 use srbf_tests::attack::TARGETS;
 use srbf_tests::inputs::Random;
@@ -9,6 +14,7 @@ use srbf_tests::kinds::{KINDS, packed, turned_materials};
 use srbf_tests::seeds;
 use std::collections::BTreeMap;
 use std::fmt::Write;
+use std::io::Cursor;
 use std::path::Path;
 use std::process::ExitCode;
 
@@ -64,6 +70,7 @@ fn files() -> Files {
     let mut files = Files::new();
     materials(&mut files);
     light(&mut files);
+    maps(&mut files);
     tables(&mut files);
     let mut add = |name: &str, bytes: &[u8]| files.insert(name.to_owned(), bytes.to_vec());
     for (name, text) in [
@@ -114,6 +121,49 @@ fn files() -> Files {
         add(&format!("utia/{name}"), &[vec![0], doubles(values)].concat());
     }
     files
+}
+
+/// Pictures of light in OpenEXR, by each compression that the page reads: `web/check/heads.mjs` has their numbers.
+fn maps(files: &mut Files) {
+    let tiles = Blocks::Tiles(Vec2(16, 8));
+    for (name, size, compression, blocks, line_order) in [
+        ("none", (5, 3), Compression::Uncompressed, Blocks::ScanLines, LineOrder::Increasing),
+        ("tiles", (19, 34), Compression::RLE, tiles, LineOrder::Increasing),
+        ("rows", (19, 34), Compression::ZIP1, Blocks::ScanLines, LineOrder::Decreasing),
+        ("zip", (40, 20), Compression::ZIP16, Blocks::ScanLines, LineOrder::Increasing),
+        ("wavelets", (19, 34), Compression::PIZ, Blocks::ScanLines, LineOrder::Increasing),
+        ("losses", (5, 3), Compression::PXR24, Blocks::ScanLines, LineOrder::Increasing),
+    ] {
+        let encoding = Encoding { compression, blocks, line_order };
+        let pixel = |Vec2(x, y): Vec2<usize>| {
+            let [x, y] = [x as f32, y as f32];
+            (x / 3.0, f16::from_f32(y / 4.0 + x / 16.0), f16::from_f32(x * y % 32.0))
+        };
+        let channels = SpecificChannels::build()
+            .with_channel("R")
+            .with_channel("G")
+            .with_channel("B")
+            .with_pixel_fn(pixel);
+        let layer = Layer::new(size, LayerAttributes::default(), encoding, channels);
+        files.insert(format!("scene-exr/{name}"), written(&Image::from_layer(layer)));
+    }
+    // As many values as need the wavelets of 16 bits.
+    let encoding = Encoding {
+        compression: Compression::PIZ,
+        blocks: Blocks::ScanLines,
+        line_order: LineOrder::Increasing,
+    };
+    let pixel = |Vec2(x, y): Vec2<usize>| (f16::from_bits((640 * y + x) as u16),);
+    let channels = SpecificChannels::build().with_channel("Y").with_pixel_fn(pixel);
+    let layer = Layer::new((640, 32), LayerAttributes::default(), encoding, channels);
+    files.insert("scene-exr/many-values".into(), written(&Image::from_layer(layer)));
+}
+
+/// The bytes of a picture.
+fn written<'a, L: WritableLayers<'a> + 'a>(image: impl WritableImage<'a, L>) -> Vec<u8> {
+    let mut bytes = Cursor::new(Vec::new());
+    image.write().non_parallel().to_buffered(&mut bytes).expect("a picture that can be written");
+    bytes.into_inner()
 }
 
 /// Materials, and mixtures of one's own.
