@@ -1,13 +1,15 @@
 #!/usr/bin/env python3
 """Time and memory of readers against the size of their input, on files of their worst kinds.
 
-    python3 lab/resources.py target/release/srbf [MEGABYTES...] > docs/figures/resources.csv
+    python3 lab/resources.py target/release/srbf [MEGABYTES...] [WORD...] > docs/figures/resources.csv
 
-Every kind is made of the sizes that are given (1, 10, 100 MB), read by one command, and has a row a size: seconds of processors, the largest
+Words choose the kinds that have one in their name. Every kind is made of the sizes that are given (1, 10, 100 MB), read by one command, and has a row a size: seconds of processors, the largest
 memory in MB, the exit status, and the exponent by which the seconds grow from the size before. The exit status is 1 if an exponent is above
-1.2, where the seconds are more than noise, if a command ends otherwise than by 0 or 2, or if it takes over 30 bytes a byte.
+1.2, where the seconds are more than noise, if a command ends otherwise than by 0 or 2, or if it takes over 30 bytes a byte. The last row is
+that of a thousand materials, which the C library beside the program loads and keeps.
 """
 
+import ctypes
 import gzip
 import math
 import multiprocessing
@@ -16,6 +18,7 @@ import struct
 import subprocess
 import sys
 import tempfile
+import time
 from pathlib import Path
 
 # Seconds below which a time is noise.
@@ -111,16 +114,35 @@ def run(command, folder):
     return used.ru_utime + used.ru_stime, used.ru_maxrss / 1024, child.returncode
 
 
+def load(library, count, answer):
+    """Loads presets until there are as many: bytes, seconds and MB of memory."""
+    library = ctypes.CDLL(str(library))
+    files = sorted(Path(__file__).resolve().parent.parent.glob("presets/*.srbf"))
+    loaded = [ctypes.c_void_p() for _ in range(count)]
+    names = [str(files[i % len(files)]).encode() for i in range(count)]
+    memory = lambda: int(Path("/proc/self/statm").read_text().split()[1]) * os.sysconf("SC_PAGE_SIZE") / 1e6
+    before, start = memory(), time.process_time()
+    for name, material in zip(names, loaded):
+        if library.srbf_material_load(name, ctypes.byref(material)) != 0:
+            sys.exit(f"{name} is not loaded")
+    answer.put((sum(os.path.getsize(name) for name in names), time.process_time() - start, memory() - before))
+
+
 def main():
     if len(sys.argv) < 2:
         sys.exit(__doc__)
     srbf = Path(sys.argv[1]).resolve()
-    sizes = [float(word) for word in sys.argv[2:]] or [1, 10, 100]
+    is_size = lambda word: word.replace(".", "").isdigit()
+    sizes = [float(word) for word in filter(is_size, sys.argv[2:])] or [1, 10, 100]
+    words = [word for word in sys.argv[2:] if not is_size(word)]
+    is_asked = lambda name: not words or any(word in name for word in words)
     faults = []
     print("kind,command,megabytes,seconds,memory_mb,status,exponent")
     with tempfile.TemporaryDirectory() as folder:
         for name, ending, make, arguments in KINDS:
             before = None
+            if not is_asked(name):
+                continue
             for size in sizes:
                 file = Path(folder) / f"input.{ending}"
                 write(make, size, file)
@@ -135,6 +157,17 @@ def main():
                     faults.append(f"{name}, {size:g} MB: {seconds:.2f} s, by an exponent of {exponent:.2f}")
                 if memory > 200 + 30 * size:
                     faults.append(f"{name}, {size:g} MB: {memory:.0f} MB of memory")
+    if is_asked("a thousand materials"):
+        answer = multiprocessing.get_context("fork").SimpleQueue()
+        process = multiprocessing.get_context("fork").Process(target=load, args=(srbf.parent / "libsrbf.so", 1000, answer))
+        process.start()
+        process.join()
+        if process.exitcode != 0:
+            sys.exit("a thousand materials are not loaded")
+        size, seconds, memory = answer.get()
+        print(f'"a thousand materials",srbf_material_load,{size / 1e6:.1f},{seconds:.3f},{memory:.1f},0,')
+        if memory > 2 * size / 1e6 + 1:
+            faults.append(f"a thousand materials: {memory:.1f} MB of memory")
     for fault in faults:
         print(fault, file=sys.stderr)
     sys.exit(bool(faults))

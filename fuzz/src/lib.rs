@@ -5,6 +5,7 @@ extern crate alloc;
 
 #[cfg(feature = "scene")]
 pub mod scene;
+pub mod view;
 
 #[path = "../../tests/src/attack.rs"]
 pub mod attack;

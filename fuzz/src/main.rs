@@ -12,5 +12,8 @@ libfuzzer_sys::fuzz_target!(|bytes: &[u8]| {
     if srbf_fuzz::scene::run(&TARGET, bytes).is_some() {
         return;
     }
+    if TARGET.as_str() == "view" {
+        return srbf_fuzz::view::run(bytes);
+    }
     srbf_fuzz::attack::run(&TARGET, bytes);
 });

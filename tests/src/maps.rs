@@ -166,22 +166,26 @@ pub fn frame(normal: Vec3) -> [Vec3; 3] {
     [tangent, normal.cross(tangent), normal]
 }
 
-/// The light that is reflected, estimated by one draw from the lobes and one from the environment, both weighed by the balance
-/// heuristic (Veach and Guibas 1995): two rays.
+/// The light that is reflected from directions that are seen, estimated by one draw from the lobes and one from the environment, both
+/// weighed by the balance heuristic (Veach and Guibas 1995): two rays.
 pub fn both_ways(
     mixture: &AnyMixture<'_>,
     environment: &Environment<impl AsRef<[u32]>>,
     frame: &[Vec3; 3],
+    seen: impl Fn(Vec3) -> bool,
     u: [[f32; 3]; 2],
 ) -> Vec3 {
     let mut sum = Vec3::ZERO;
     if let Some(sample) = mixture.sample(u[0]) {
-        let (radiance, pdf) = environment.radiance_and_pdf(to_world(frame, sample.direction));
-        sum += sample.weight * radiance * (sample.pdf / (sample.pdf + pdf));
+        let world = to_world(frame, sample.direction);
+        let (radiance, pdf) = environment.radiance_and_pdf(world);
+        let brought = sample.weight * radiance * (sample.pdf / (sample.pdf + pdf));
+        sum += if seen(world) { brought } else { Vec3::ZERO };
     }
     let sample = environment.sample(u[1]);
     let (value, pdf) = mixture.evaluate_and_pdf(to_local(frame, sample.direction));
-    sum + value * sample.radiance / (sample.pdf + pdf)
+    let brought = value * sample.radiance / (sample.pdf + pdf);
+    sum + if seen(sample.direction) { brought } else { Vec3::ZERO }
 }
 
 /// Mean and variance of numbers, the mean's standard error too.

@@ -6,6 +6,7 @@
 
 use crate::row::{Row, polar};
 use crate::table::Scattered;
+use std::collections::HashMap;
 use std::f64::consts::PI;
 
 /// Angles of the outgoing direction closer than this are one view, radians; files print six decimals.
@@ -106,7 +107,8 @@ fn grouped(placed: &[Placed], width: f64) -> Vec<Group> {
 }
 
 /// Spreads samples of the view at the normal over all azimuths, if they leave a sector empty: there an azimuth means nothing, and a sample
-/// stands for all. Samples of one half-line would be taken for a fan that the rest of the hemisphere knows nothing of.
+/// stands for all. Samples of one half-line would be taken for a fan that the rest of the hemisphere knows nothing of. Samples of one
+/// direction stay together: spread over a circle, a million of them would take a minute.
 fn spread_about_normal(samples: &mut Scattered) {
     let across = |d: &[f64; 3]| libm::hypot(d[0], d[1]);
     let folded = |d: &[f64; 3]| libm::atan2(d[1].abs(), d[0]);
@@ -120,7 +122,10 @@ fn spread_about_normal(samples: &mut Scattered) {
     if widest < SECTOR {
         return;
     }
-    for (n, (d, _)) in samples.iter_mut().enumerate() {
+    let mut seen = HashMap::new();
+    for (d, _) in samples {
+        let count = seen.len();
+        let n = *seen.entry(d.map(f64::to_bits)).or_insert(count);
         let (sin, cos) = libm::sincos(PI * (GOLDEN * n as f64).fract());
         *d = [across(d) * cos, across(d) * sin, d[2]];
     }
@@ -137,6 +142,7 @@ fn turned(d: [f64; 3], angle: f64) -> [f64; 3] {
 mod tests {
     use super::*;
     use crate::table::direction;
+    use std::collections::HashSet;
 
     #[test]
     fn outgoing_directions_without_a_pattern_are_taken_together_beside_the_mirror_direction() {
@@ -186,6 +192,22 @@ mod tests {
                 albedo(&round)
             );
         }
+    }
+
+    /// Each was spread over a circle of its own places.
+    #[test]
+    fn at_the_normal_repeated_samples_stay_together() {
+        let row = |n: u32| Row {
+            line: 1,
+            wi: direction(0.014 * f64::from(n % 100), 0.0),
+            wo: [0.0, 0.0, 1.0],
+            rgb: [0.1; 3],
+        };
+        let rows: Vec<Row> = (0..5000).map(row).collect();
+        let groups = views(&rows, false);
+        let directions: HashSet<_> = groups[0].samples.iter().map(|s| s.0.map(f64::to_bits)).collect();
+        assert_eq!((groups.len(), groups[0].samples.len(), directions.len()), (1, 5000, 100));
+        assert!(groups[0].samples.iter().any(|s| s.0[1].abs() > 0.1), "they are spread");
     }
 
     #[test]

@@ -2,10 +2,11 @@
 
 use super::input::{above, random};
 use crate::inputs::Random;
-use srbf_core::Quarter;
+use srbf_core::{Quarter, printable};
 use srbf_measured::ReadError;
 use srbf_measured::analytic;
 use srbf_measured::export;
+use srbf_measured::look::Look;
 use srbf_measured::read::window::{Band, Window};
 use srbf_measured::read::{self, Content, Conventions, Intake, astm, cornell, csv, merl, neural, rgl, utia};
 use srbf_measured::table::{Brdf, Scattered, Table};
@@ -52,7 +53,7 @@ pub fn formats(bytes: &[u8]) -> bool {
     scattered(READERS[usize::from(which) % READERS.len()](file, &Conventions::default()))
 }
 
-/// Samples are numbers, and make a table or an error.
+/// Samples are numbers, and make a table or an error; the look at them is plain text and numbers.
 fn scattered(parsed: Result<Intake, ReadError>) -> bool {
     let intake = match parsed {
         Ok(intake) => intake,
@@ -70,6 +71,11 @@ fn scattered(parsed: Result<Intake, ReadError>) -> bool {
     let count: usize = views.iter().map(|(_, samples)| samples.len()).sum();
     if count > MOST_SAMPLES {
         return true;
+    }
+    let look = Look::new(&intake, None);
+    assert!(look.to_json().is_object() && look.views.iter().all(|theta| theta.is_finite()));
+    for text in look.findings.iter().map(|finding| finding.text.clone()).chain([look.summary()]) {
+        assert_eq!(printable(&text).to_string(), text, "as it stands in the file");
     }
     if let Ok(table) = Table::from_scattered(views.into_iter().take(MOST_VIEWS).collect()) {
         let mut samples = table.views.iter().flat_map(|view| &view.samples);

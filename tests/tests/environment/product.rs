@@ -131,14 +131,15 @@ fn examine(name: String, m: &Mixture<'_, 64>, map: &Map, candidates: usize, seed
     // A surface that sees some light.
     let axes = loop {
         let axes = frame(random.direction());
-        let lit = (0..1000).map(|_| both_ways(m, &environment, &axes, [random.three(), random.three()]));
+        let lit =
+            (0..1000).map(|_| both_ways(m, &environment, &axes, |_| true, [random.three(), random.three()]));
         if lit.map(bright).sum::<f64>() > 0.0 {
             break axes;
         }
     };
     let (mut pairs, mut fourth) = (Moments::default(), Moments::default());
     let values: Vec<f64> = (0..PAIRS)
-        .map(|_| bright(both_ways(m, &environment, &axes, [random.three(), random.three()])))
+        .map(|_| bright(both_ways(m, &environment, &axes, |_| true, [random.three(), random.three()])))
         .collect();
     values.iter().for_each(|&v| pairs.see(v));
     let mean = pairs.mean();

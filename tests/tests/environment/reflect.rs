@@ -7,7 +7,7 @@ use srbf_core::{
 };
 use srbf_tests::inputs::{Random, levels};
 use srbf_tests::kinds::turned_materials;
-use srbf_tests::maps::{Map, Moments, bright, frame, to_local, to_world};
+use srbf_tests::maps::{Map, Moments, both_ways, bright, frame, to_local, to_world};
 use std::path::Path;
 
 type Numbers = [[f32; 16]; 3];
@@ -180,15 +180,7 @@ fn means(
         ours.see(bright(drawn.light(ray, shadow)) * planted);
     }
     for _ in 0..16 * draws {
-        let mut sum = Vec3::ZERO;
-        if let Some(ray) = m.sample(random.three()) {
-            let world = to_world(&axes, ray.direction);
-            let (radiance, pdf) = environment.radiance_and_pdf(world);
-            sum += if seen(world) { ray.weight * radiance * (ray.pdf / (ray.pdf + pdf)) } else { Vec3::ZERO };
-        }
-        let light = environment.sample(random.three());
-        let (value, pdf) = m.evaluate_and_pdf(to_local(&axes, light.direction));
-        sum += if seen(light.direction) { value * light.radiance / (light.pdf + pdf) } else { Vec3::ZERO };
+        let sum = both_ways(m, &environment, &axes, seen, [random.three(), random.three()]);
         theirs.see(bright(sum));
     }
     [ours, theirs]

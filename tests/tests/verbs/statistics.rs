@@ -8,12 +8,13 @@
 
 use glam::{DVec3, Vec3};
 use srbf_core::{
-    AnyMixture, Blend, BlendPart, Domain, Draws, Error, Expanded, FactorTable, Grid, GridView, Level, Line,
-    Lobe, Material, Mixture, PackOptions, PlaneLobe, Quarter, Request, Sample, Sheet, SheetMixture,
-    TiltedLobe, View, fresnel,
+    AnyMixture, Blend, BlendPart, Domain, Draws, Error, Expanded, FactorTable, Grid, GridView, Level,
+    LightBlock, Line, Lobe, Material, Mixture, PackOptions, PlaneLobe, ProductSampling, Quarter, Request,
+    Sample, Sheet, SheetMixture, TiltedLobe, View, fresnel,
 };
 use srbf_tests::inputs::Random;
 use srbf_tests::kinds::{Soa, for_each_level, packed};
+use srbf_tests::maps::{Map, both_ways, bright, frame, to_world};
 use srbf_tests::oracle::{gaussian, luminance, mirrored, share_within, sphere_integral, squeezed, turned};
 use srbf_tests::seeds::same_without_azimuth;
 use srbf_tests::statistics::{binomial, chi_square, chi_square_tail, sidak};
@@ -490,6 +491,7 @@ fn round(table: &mut Table, level: Level, random: &mut Random) {
     of_own_lobes(table, level.name(), random);
     of_sheet(table, level.name(), random);
     of_blend(table, level.name(), random);
+    of_light(table, level.name(), 1.0, random);
 }
 
 fn of_material(table: &mut Table, level: &'static str, random: &mut Random) {
@@ -603,6 +605,64 @@ fn of_blend(table: &mut Table, level: &'static str, random: &mut Random) {
     table.check(["Blend::ask", level], &truth, &draws, furnace, random);
 }
 
+/// Even sums and products of a random material and a random map, in a random frame, against one draw of each by the balance heuristic.
+/// A random pattern is in the way of the sums' rays. A bias may be planted in both.
+fn of_light(table: &mut Table, level: &'static str, planted: f64, random: &mut Random) {
+    let (material, wo) = (material(random), outgoing(random));
+    let mut m = Mixture::<64>::empty();
+    material.prepare(wo, &mut m).unwrap();
+    let [columns, rows] = [1 + random.below(64), 1 + random.below(32)];
+    let map = match random.below(4) {
+        0 => Map::sky(),
+        1 => Map::constant(),
+        2 => Map::pixel(columns, rows, random.below(columns), random.below(rows)),
+        _ => Map::noise(columns, rows),
+    };
+    let environment = map.environment().turned(random.between(0.0, 6.0));
+    let (axes, wave, hidden) =
+        (frame(random.direction()), 10.0 * random.direction(), random.between(-0.9, 1.5));
+    let sampling = ProductSampling::new(2 + random.below(15), 0.5, f32::INFINITY).unwrap();
+    let is_above = |d: Vec3| d.dot(axes[2]) > 0.0;
+    let seen = |d: Vec3| is_above(d) && d.dot(wave).sin() < hidden;
+    let (mut sums, mut products, mut of_seen, mut of_all) = (vec![], vec![], vec![], vec![]);
+    for n in 0..4 * DRAWS {
+        let both = |seen: &dyn Fn(Vec3) -> bool, u| bright(both_ways(&*m, &environment, &axes, seen, u));
+        of_seen.push(both(&seen, [random.three(), random.three()]));
+        of_all.push(both(&is_above, [random.three(), random.three()]));
+        if n >= DRAWS {
+            continue;
+        }
+        let mut u = [[0.0; 16]; 3];
+        u.as_flattened_mut().fill_with(|| random.uniform());
+        let block = LightBlock::new(&environment, u.each_ref());
+        u.as_flattened_mut().fill_with(|| random.uniform());
+        let given = u.each_ref().map(|u| &u[..8]);
+        let drawn = m.reflect(&environment, &block, &axes, axes[2], given, random.uniform()).unwrap();
+        let ray = drawn.ray.is_some_and(|ray| seen(to_world(&axes, ray.direction)));
+        sums.push(planted * bright(drawn.light(ray, drawn.shadow.is_some_and(seen))));
+        u.as_flattened_mut().fill_with(|| random.uniform());
+        let given = u.each_ref().map(|u| &u[..sampling.candidates()]);
+        let drawn = m.sample_product(&environment, &axes, &sampling, given, random.uniform()).unwrap();
+        products.push(planted * drawn.map_or(0.0, |drawn| bright(drawn.weight)));
+    }
+    for (verb, ours, theirs) in [("even sums", &sums, &of_seen), ("products", &products, &of_all)] {
+        let p = mean(ours).zip(mean(theirs)).map(|((ours, error), (theirs, other))| {
+            chi_square_tail((ours - theirs).powi(2) / (error + other), 1)
+        });
+        table.see([verb, level, "light"], p);
+    }
+}
+
+/// The mean of numbers and the square of its standard error; `None` of numbers that are nearly constant, or too skewed.
+fn mean(of: &[f64]) -> Option<(f64, f64)> {
+    let n = of.len() as f64;
+    let mean = of.iter().sum::<f64>() / n;
+    let moment = |k: i32| of.iter().map(|x| (x - mean).powi(k)).sum::<f64>() / n;
+    let spread = moment(2).sqrt();
+    let is_tested = spread > 1e-3 * mean.abs() && moment(3).abs() <= SKEWNESS * spread.powi(3);
+    is_tested.then_some((mean, spread.powi(2) / n))
+}
+
 /// Rounds at every level until there are as many tests, and more than none.
 fn tests(wanted: usize) -> Table {
     let mut table = Table::default();
@@ -633,6 +693,22 @@ fn statistics_of_very_many_draws_of_every_verb() {
     println!("{}{} tests, bound of all {:.1e}", table.csv(), table.tests(), sidak(ALPHA, table.tests()));
     println!("luminance of weights within {:.1e}; {}", table.luminance, path.display());
     assert!(table.failures().is_empty(), "{:#?}", table.failures());
+}
+
+#[test]
+fn statistics_find_light_that_is_off_by_a_tenth() {
+    let off = |planted: f64| {
+        let (mut table, mut random) = (Table::default(), Random(68));
+        while table.tests() < 16 {
+            of_light(&mut table, "any", planted, &mut random);
+        }
+        table.failures()
+    };
+    assert_eq!(off(1.0), Vec::<String>::new());
+    let found = off(1.1);
+    for verb in ["even sums", "products"] {
+        assert!(found.iter().any(|failure| failure.contains(verb)), "{verb}: {found:?}");
+    }
 }
 
 #[test]
