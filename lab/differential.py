@@ -117,7 +117,7 @@ def text(language, options, place):
     """The text in a program of evaluator/tests/values.cpp, which has a protocol of its own."""
     folder = place / language
     folder.mkdir(exist_ok=True)
-    words = subprocess.run([TARGET / "release/examples/write", language, "blend"], stdout=subprocess.PIPE, check=True).stdout
+    words = subprocess.run([TARGET / "release/write", language, "blend"], stdout=subprocess.PIPE, check=True).stdout
     (folder / "text").write_bytes(words)
     subprocess.run(["g++", "-std=c++17", "-O2", *options, f"-I{folder}", ROOT / "evaluator/tests/values.cpp", "-o", folder / "values"], check=True)
 
@@ -170,7 +170,7 @@ def shaders(place):
     sys.path.insert(0, str(ROOT / "evaluator/check"))
     from shaders import Shaders
 
-    found = Shaders(TARGET / "release/examples/write", place)
+    found = Shaders(TARGET / "release/write", place)
     made = {kind: found.pipelines(hit, text) for kind, hit, text in [("material", "material", None), ("sheet", "sheet", None), ("blend", "front", "blend")]}
 
     def of(language):
