@@ -61,8 +61,8 @@ pub struct Owners {
 
 /// Directions are one if their x are closer than a tenth of this, and they themselves closer than this, in radians.
 const ONE: f64 = 1e-5;
-/// The distance alone, in a view of more than `MANY` samples. The triangulation takes a time that grows with the square of the samples on one line,
-/// or circle: .4 s for the 31 416 of a plane that this leaves apart, and 42 s for ten times as many.
+/// The distance alone, in a view of more than `MANY` samples. The triangulation takes a time that grows with the square of the samples on
+/// one line, or circle: .4 s for the 31 416 of a plane that this leaves apart, and 42 s for ten times as many.
 const ONE_OF_MANY: f64 = 1e-4;
 const MANY: usize = 20_000;
 /// They are looked for in strips of y that are a little wider than that, by this factor.
