@@ -91,7 +91,7 @@ pub fn program<C: Parser>(name: &str, run: impl FnOnce(C) -> anyhow::Result<()>)
         }
         std::process::exit(error.exit_code())
     });
-    match choose_level().and_then(|()| run(cli)) {
+    match start().and_then(|()| run(cli)) {
         Ok(()) => {
             print::flush();
             ExitCode::SUCCESS
@@ -132,8 +132,15 @@ pub fn run(cli: Cli) -> anyhow::Result<()> {
     }
 }
 
-/// The instruction set that the environment variable `SRBF_SIMD` names, if it is set; for tests and comparisons.
-fn choose_level() -> anyhow::Result<()> {
+/// Where rayon would panic, as it cannot start its threads, one thread does the work: this one, where there is no other. The environment
+/// variable `SRBF_SIMD` names the instruction set, if it is set; for tests and comparisons.
+fn start() -> anyhow::Result<()> {
+    let threads = |count| rayon::ThreadPoolBuilder::new().num_threads(count);
+    if threads(0).build().is_err() {
+        let is_there = threads(1).build().is_ok();
+        let one = if is_there { threads(1) } else { threads(1).use_current_thread() };
+        one.build_global()?;
+    }
     let Some(name) = std::env::var_os("SRBF_SIMD") else { return Ok(()) };
     let name = name.to_string_lossy();
     let known = || Level::ALL.map(Level::name).join(", ");

@@ -61,8 +61,8 @@ pub struct Owners {
 
 /// Directions are one if their x are closer than a tenth of this, and they themselves closer than this, in radians.
 const ONE: f64 = 1e-5;
-/// The same in a view of more than `MANY` samples. The triangulation takes a time that grows with the square of the samples on one line,
-/// or circle: .4 s for the 31 416 of a plane that this leaves apart, and 42 s for ten times as many.
+/// The distance alone, in a view of more than `MANY` samples. The triangulation takes a time that grows with the square of the samples on
+/// one line, or circle: .4 s for the 31 416 of a plane that this leaves apart, and 42 s for ten times as many.
 const ONE_OF_MANY: f64 = 1e-4;
 const MANY: usize = 20_000;
 /// They are looked for in strips of y that are a little wider than that, by this factor.
@@ -70,7 +70,7 @@ const STRIP: f64 = 1.1;
 
 /// Finds the samples that have one direction.
 pub fn owners(samples: &[Sample]) -> Owners {
-    let one = if samples.len() > MANY { ONE_OF_MANY } else { ONE };
+    let (one, along) = if samples.len() > MANY { (ONE_OF_MANY, ONE_OF_MANY) } else { (ONE, 0.1 * ONE) };
     let mut representative: Vec<usize> = Vec::with_capacity(samples.len());
     // Places among the representatives, by strip: all samples of a plane share their x.
     let mut strips: HashMap<i64, Vec<usize>> = HashMap::new();
@@ -89,7 +89,7 @@ pub fn owners(samples: &[Sample]) -> Owners {
                 .iter()
                 .rev()
                 .map(|&place| (place, &samples[representative[place]].direction))
-                .take_while(|(_, r)| d[0] - r[0] < 0.1 * one);
+                .take_while(|(_, r)| d[0] - r[0] < along);
             near.find(|(_, r)| distance_squared(r, &d) < one * one).map(|(place, _)| place)
         };
         // The last one, as if all were gone through from the end.

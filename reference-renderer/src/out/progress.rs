@@ -22,7 +22,10 @@ impl Progress {
         let target =
             if print::is_quiet() { ProgressDrawTarget::hidden() } else { ProgressDrawTarget::stderr() };
         let progress = Self::on(target, label, total);
-        progress.bar.enable_steady_tick(Duration::from_millis(200));
+        // Its ticks are a thread's: indicatif panics where there is none to be had.
+        if !progress.bar.is_hidden() && std::thread::Builder::new().spawn(|| ()).is_ok() {
+            progress.bar.enable_steady_tick(Duration::from_millis(200));
+        }
         progress
     }
 

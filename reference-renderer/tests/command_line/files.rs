@@ -147,6 +147,41 @@ fn output_that_cannot_be_written_is_an_error() {
     }
 }
 
+/// Few descriptors, few bytes of a file, one thread or none to be had: each command ends by itself, and its files are whole.
+#[cfg(target_os = "linux")]
+#[test]
+fn limits_of_the_system_are_errors_and_leave_nothing() {
+    let place = folder("limits");
+    std::fs::write(place.join("a.csv"), rows()).unwrap();
+    let [convert, render] =
+        ["convert a.csv out.csv", "render --material matte --size 64x64 --spp 1 -o out.exr"];
+    let [files, bytes] = ["ulimit -n 4", "trap '' XFSZ; ulimit -f 1"];
+    let threads = "export RUST_MIN_STACK=1000000000000; ulimit -v 1000000";
+    for (limit, arguments, says) in [
+        (files, render, Some("Too many open files")),
+        (bytes, convert, Some("out.csv: File too large")),
+        (bytes, render, Some("File too large")),
+        (bytes, "export --buffer --glsl -o out.glsl", Some("File too large")),
+        (threads, "look a.csv --quick", None),
+        (threads, "pack garnet_red -o out.srbf", None),
+        (threads, "view --no-open", Some("no thread for requests")),
+        (threads, render, Some("cannot start the threads")),
+        ("export RAYON_NUM_THREADS=1", convert, None),
+    ] {
+        let call = format!("{limit}; exec \"$0\" {arguments}");
+        let output =
+            Command::new("sh").args(["-c", &call, crate::PROGRAM]).current_dir(&place).output().unwrap();
+        let text = String::from_utf8_lossy(&output.stderr);
+        let expected = if says.is_some() { 2 } else { 0 };
+        let is_right = output.status.code() == Some(expected) && text.contains(says.unwrap_or_default());
+        assert!(is_right && !text.contains("panicked"), "{limit}: {arguments}: {:?} {text}", output.status);
+        let mut names: Vec<_> = std::fs::read_dir(&place).unwrap().map(|f| f.unwrap().file_name()).collect();
+        names.retain(|name| name != "a.csv");
+        assert!(names.len() <= usize::from(expected == 0), "{limit}: {arguments} leaves {names:?}");
+        names.iter().for_each(|name| std::fs::remove_file(place.join(name)).unwrap());
+    }
+}
+
 #[test]
 fn a_reader_that_has_gone_ends_the_program_without_a_word() {
     let (reader, writer) = std::io::pipe().unwrap();

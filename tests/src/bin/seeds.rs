@@ -105,6 +105,15 @@ fn files() -> Files {
     add("window/both-sides", include_bytes!("../../corpus/small.xml"));
     add("window/tree-of-three", include_bytes!("../../corpus/tree3.xml"));
     add("window/tree-of-four", include_bytes!("../../corpus/tree4.xml"));
+    let own = "Host: 127.0.0.1:80\r\nOrigin: http://127.0.0.1:80\r\nContent-Length:";
+    for (name, request) in [
+        ("get", "GET /page.js HTTP/1.1\r\nHost: 127.0.0.1:80\r\n\r\n".to_owned()),
+        ("head", "HEAD /?x HTTP/1.1\r\nHost: localhost:80\r\nContent-Length: 0\r\n\r\n".to_owned()),
+        ("open", format!("POST /open?a%20%C3%A4.csv HTTP/1.1\r\n{own} 4\r\n\r\nrows")),
+        ("export", format!("POST /export?glsl HTTP/1.1\r\nTransfer-Encoding:\r\n{own} 0\r\n\r\n")),
+    ] {
+        add(&format!("view/{name}"), request.as_bytes());
+    }
     // Half plane waves: enough to be no constant.
     let weights = |n: usize| ((n as f32 * 0.7).sin() * 0.3).to_le_bytes();
     add("neural/one", &(0..675).flat_map(weights).collect::<Vec<u8>>());

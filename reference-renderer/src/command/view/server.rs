@@ -40,7 +40,7 @@ const BOUNDS: Bounds = Bounds {
 };
 
 /// Files by name.
-type Files = Vec<(&'static str, Vec<u8>)>;
+pub type Files = Vec<(&'static str, Vec<u8>)>;
 
 /// A question of the page: a verb, the name of a file or a format, and the bytes of the file. It tells the share that is done.
 pub type Ask<'a> =
@@ -151,17 +151,12 @@ fn answer(
         }
         head.extend_from_slice(&part[..count]);
     }
-    let end = head.windows(4).position(|end| end == b"\r\n\r\n");
-    let asked = end.and_then(|end| question(&String::from_utf8_lossy(&head[..end]), port, bounds.content));
-    let (status, kind, body) = if let (Some(Ok(question)), Some(end)) = (&asked, end) {
-        let begun = head.split_off(end + 4);
-        return answer_question(stream, question, begun, ask, bounds);
-    } else if let Some(Err((status, body))) = asked {
-        (status, PLAIN, body.as_bytes())
-    } else if head.len() > bounds.head {
-        ("431 Request Header Fields Too Large", PLAIN, &b"the head is too long\n"[..])
-    } else {
-        found(&String::from_utf8_lossy(&head), files, port)
+    let (status, kind, body) = match asked(&head, files, port) {
+        Ok((question, end)) => {
+            let begun = head.split_off(end);
+            return answer_question(stream, &question, begun, ask, bounds);
+        }
+        Err(answer) => answer,
     };
     let mut text = format!("HTTP/1.1 {status}\r\nContent-Type: {kind}\r\nContent-Length: {}\r\n", body.len());
     text += "Cache-Control: no-store\r\nCross-Origin-Resource-Policy: same-origin\r\nX-Content-Type-Options: nosniff\r\nConnection: close\r\n\r\n";
@@ -173,11 +168,34 @@ fn answer(
     stream.flush()
 }
 
-/// A question: its verb, the name or format, and the length of the content.
-struct Question {
-    verb: String,
-    with: String,
-    length: usize,
+/// Status, type and content.
+type Answer<'f> = (&'static str, &'static str, &'f [u8]);
+
+/// The question that bytes begin with and where its content begins, or the answer to other bytes.
+///
+/// # Errors
+/// The answer, of those that are no question.
+pub fn asked<'f>(head: &[u8], files: &'f Files, port: u16) -> Result<(Question, usize), Answer<'f>> {
+    let end = head.windows(4).position(|end| end == b"\r\n\r\n");
+    let asked = end.and_then(|end| question(&String::from_utf8_lossy(&head[..end]), port, BOUNDS.content));
+    Err(match (asked, end) {
+        (Some(Ok(question)), Some(end)) => return Ok((question, end + 4)),
+        (Some(Err((status, body))), _) => (status, PLAIN, body.as_bytes()),
+        _ if head.len() > BOUNDS.head => {
+            ("431 Request Header Fields Too Large", PLAIN, &b"the head is too long\n"[..])
+        }
+        _ => found(&String::from_utf8_lossy(head), files, port),
+    })
+}
+
+/// A question of the page.
+pub struct Question {
+    /// `open` or `export`.
+    pub verb: String,
+    /// The name of a file, or a format.
+    pub with: String,
+    /// Bytes of the content.
+    pub length: usize,
 }
 
 /// The question of the head of a request; `None` for a request of another kind, and an error with its status for one that is refused.
@@ -261,8 +279,8 @@ fn answer_question(
 /// The type of messages.
 const PLAIN: &str = "text/plain; charset=utf-8";
 
-/// The answer to the head of a request: status, type and content.
-fn found<'f>(head: &str, files: &'f Files, port: u16) -> (&'static str, &'static str, &'f [u8]) {
+/// The answer to the head of a request.
+fn found<'f>(head: &str, files: &'f Files, port: u16) -> Answer<'f> {
     let mut lines = head.lines();
     let mut request = lines.next().unwrap_or_default().split(' ');
     let (method, path) = (request.next().unwrap_or_default(), request.next().unwrap_or_default());
