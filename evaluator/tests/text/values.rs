@@ -21,8 +21,7 @@ pub const AT_DRAW: f32 = 5e-4;
 fn the_header_is_the_text() {
     let path = root().join("include/srbf_device.hpp");
     let held = std::fs::read_to_string(&path).expect("include/srbf_device.hpp is there");
-    let hint =
-        "write it: cargo run --release -p srbf-evaluator --bin write cpp > include/srbf_device.hpp";
+    let hint = "write it: cargo run --release -p srbf-evaluator --bin write cpp > include/srbf_device.hpp";
     assert!(held == text(Language::Cpp), "{hint}");
 }
 
