@@ -626,7 +626,7 @@ fn of_light(table: &mut Table, level: &'static str, planted: f64, random: &mut R
     let seen = |d: Vec3| is_above(d) && d.dot(wave).sin() < hidden;
     let (mut sums, mut products, mut of_seen, mut of_all) = (vec![], vec![], vec![], vec![]);
     for n in 0..4 * DRAWS {
-        let both = |seen: &dyn Fn(Vec3) -> bool, u| bright(both_ways(&*m, &environment, &axes, seen, u));
+        let both = |seen: &dyn Fn(Vec3) -> bool, u| bright(both_ways(&m, &environment, &axes, seen, u));
         of_seen.push(both(&seen, [random.three(), random.three()]));
         of_all.push(both(&is_above, [random.three(), random.three()]));
         if n >= DRAWS {
