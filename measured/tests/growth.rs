@@ -75,7 +75,7 @@ fn text_without_names() {
 
 #[test]
 fn lines_of_samples() {
-    grows_with("a wavelength a line", 25_000, |n| {
+    grows_with("a wavelength a line", 100_000, |n| {
         let line = |x: f64| format!("{},10,{},0.1\n", 80.0 * x, 380.0 + 400.0 * x);
         let lines = (0..n).map(|i| line(i as f64 / n as f64));
         ["theta_i,theta_o,wavelength,value\n".to_owned()].into_iter().chain(lines).collect()
