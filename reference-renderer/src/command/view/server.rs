@@ -17,14 +17,10 @@ use std::time::{Duration, Instant};
 struct Bounds {
     /// Connections that are answered at a time, each by a thread. Others wait in the queue of the system.
     clients: usize,
-    /// Most bytes of the head of a request.
-    head: usize,
     /// Time for the whole head.
     asking: Duration,
     /// Time for the whole answer: through a slow tunnel the page takes a minute.
     answering: Duration,
-    /// Most bytes of the content of a question.
-    content: usize,
     /// Pause after a connection that the system could not give, as where too many files are open.
     pause: Duration,
 }
@@ -32,12 +28,16 @@ struct Bounds {
 /// A browser opens six connections, some before it needs them.
 const BOUNDS: Bounds = Bounds {
     clients: 32,
-    head: 8192,
     asking: Duration::from_secs(10),
     answering: Duration::from_secs(120),
-    content: 1 << 28,
     pause: Duration::from_millis(100),
 };
+
+/// Most bytes of the head of a request.
+const HEAD: usize = 8192;
+
+/// Most bytes of the content of a question.
+const CONTENT: usize = 1 << 28;
 
 /// Files by name.
 pub type Files = Vec<(&'static str, Vec<u8>)>;
@@ -144,7 +144,7 @@ fn answer(
 ) -> io::Result<()> {
     let mut stream = Timed { stream, end: Instant::now() + bounds.asking };
     let (mut head, mut part) = (Vec::new(), [0; 1024]);
-    while head.len() <= bounds.head && !head.windows(4).any(|end| end == b"\r\n\r\n") {
+    while head.len() <= HEAD && !head.windows(4).any(|end| end == b"\r\n\r\n") {
         let count = stream.read(&mut part)?;
         if count == 0 {
             return Ok(());
@@ -177,11 +177,11 @@ type Answer<'f> = (&'static str, &'static str, &'f [u8]);
 /// The answer, of those that are no question.
 pub fn asked<'f>(head: &[u8], files: &'f Files, port: u16) -> Result<(Question, usize), Answer<'f>> {
     let end = head.windows(4).position(|end| end == b"\r\n\r\n");
-    let asked = end.and_then(|end| question(&String::from_utf8_lossy(&head[..end]), port, BOUNDS.content));
+    let asked = end.and_then(|end| question(&String::from_utf8_lossy(&head[..end]), port, CONTENT));
     Err(match (asked, end) {
         (Some(Ok(question)), Some(end)) => return Ok((question, end + 4)),
         (Some(Err((status, body))), _) => (status, PLAIN, body.as_bytes()),
-        _ if head.len() > BOUNDS.head => {
+        _ if head.len() > HEAD => {
             ("431 Request Header Fields Too Large", PLAIN, &b"the head is too long\n"[..])
         }
         _ => found(&String::from_utf8_lossy(head), files, port),
@@ -462,7 +462,7 @@ mod tests {
             std::thread::sleep(Duration::from_millis(10));
         }
         assert!(start.elapsed() < Duration::from_secs(30), "a slow sender is never left");
-        let long = get(port, &format!("/{}", "a".repeat(BOUNDS.head)));
+        let long = get(port, &format!("/{}", "a".repeat(HEAD)));
         assert!(answered(connected(port), &long).starts_with("HTTP/1.1 431 "));
         // One that never ends is not read to its end.
         let mut endless = connected(port);
