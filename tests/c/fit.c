@@ -33,7 +33,7 @@ static void check_fit(const srbf_material *material, float height, float limit) 
         error += pow((double)(value[0] - f[0] * wi[2]), 2), norm += pow((double)(f[0] * wi[2]), 2);
     }
     printf("relative L2 %.3f\n", sqrt(error / norm));
-    CHECK(sqrt(error / norm) < (double)limit);
+    CHECK_MEAN(sqrt(error / norm) < (double)limit);
 }
 
 /* Where the system gives no threads, a fit is refused and nothing panics; in a process of its own, as threads are started once. */
@@ -55,12 +55,18 @@ static void test_without_threads(void) {
     CHECK(waitpid(child, &status, 0) == child && WIFEXITED(status) && WEXITSTATUS(status) == 0);
 }
 
-/* Settings of a fit that takes about a second. */
+/* Settings of a fit that takes about a second; with SHORT it does a fraction, and its errors are not held. */
+#ifdef SHORT
+enum { FITTED_VIEWS = 2, STARTS = 1, STEPS = 2, SAMPLES = 50 };
+#else
+enum { FITTED_VIEWS = 6, STARTS = 2, STEPS = 20, SAMPLES = 400 };
+#endif
+
 static srbf_fit_settings quick(void) {
     srbf_fit_settings settings;
     CHECK_OK(srbf_fit_settings_default(&settings));
-    settings.lobes = 6, settings.squeezed_lobes = 2, settings.mirrored_pairs = 0, settings.views = 6;
-    settings.starts = 2, settings.steps = 20, settings.exchanges = 0;
+    settings.lobes = 6, settings.squeezed_lobes = 2, settings.mirrored_pairs = 0, settings.views = FITTED_VIEWS;
+    settings.starts = STARTS, settings.steps = STEPS, settings.exchanges = 0;
     for (int i = 0; i < 3; i++) {
         settings.factor_nodes[i] = 0;
     }
@@ -147,12 +153,14 @@ static void check_provenance(const srbf_material *material) {
 /* Numbers within the bounds of the fit, and as many lines of faults as it counts, after a sentence. */
 static void check_report(const srbf_fit_report *report) {
     printf("%s", report->verdict);
-    CHECK(report->error > 0 && report->error < 0.1 && report->worst_error >= report->error && report->worst_error < 0.3);
+    CHECK(report->error > 0 && report->worst_error >= report->error);
+    CHECK_MEAN(report->error < 0.1 && report->worst_error < 0.3);
     CHECK(report->worst_error_theta >= 0 && report->worst_error_theta < 1.5707964);
-    CHECK(report->luminance_error > 0 && report->luminance_error < 0.1 && report->energy_error < 0.05);
+    CHECK(report->luminance_error > 0);
+    CHECK_MEAN(report->luminance_error < 0.1 && report->energy_error < 0.05);
     CHECK(report->largest_weight >= 1 && report->largest_weight < 30 && report->seconds > 0 && report->seconds < HUNG);
     CHECK(memchr(report->verdict, 0, sizeof report->verdict) != NULL && strstr(report->verdict, "relative L2: median") != NULL);
-    CHECK(strncmp(report->verdict, "use it", 6) == 0);
+    CHECK_MEAN(strncmp(report->verdict, "use it", 6) == 0);
     size_t faults = 0;
     for (const char *line = report->verdict; line != NULL; line = strchr(line, '\n')) {
         line += *line == '\n';
@@ -198,7 +206,7 @@ int main(int count, char **arguments) {
     CHECK(settings.factor_nodes[2] == SRBF_FIT_AUTOMATIC && settings.error == 0);
     settings = quick();
 
-    enum { VIEWS = 6, SAMPLES = 400, N = VIEWS * SAMPLES };
+    enum { VIEWS = 6, N = VIEWS * SAMPLES };
     static float wo[N][3], wi[N][3], f[N][3];
     uint64_t state = 9;
     for (int i = 0; i < N; i++) {
@@ -228,7 +236,7 @@ int main(int count, char **arguments) {
     check_report(&report);
     check_fit(material, height, 0.1f);
     CHECK_OK(srbf_material_query(material, &a));
-    CHECK(a.views == 6 && a.lobes == 6 && a.has_signed_factors == 0);
+    CHECK(a.views == FITTED_VIEWS && a.lobes == 6 && a.has_signed_factors == 0);
     CHECK_OK(srbf_material_free(material));
     settings.factor_nodes[2] = 3, settings.has_signed_factors = 1;
     CHECK_OK(srbf_fit_brdf(&settings, gloss, &height, &material, NULL));

@@ -120,7 +120,7 @@ static void run(job *jobs, int together) {
 
 int main(int count, char **arguments) {
     CHECK(count == 2 || count == 3);
-    const long rounds = count == 3 ? atol(arguments[2]) : 300;
+    const long rounds = count == 3 ? atol(arguments[2]) : MANY(300);
     srbf_material *material;
     CHECK_OK(srbf_material_load(arguments[1], &material));
     _Alignas(SRBF_MIXTURE_ALIGNMENT) unsigned char storage[SRBF_MIXTURE_SIZE_64];

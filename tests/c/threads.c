@@ -5,7 +5,7 @@
 #include "check.h"
 #include <pthread.h>
 
-enum { THREADS = 16, ROUNDS = 4000 };
+enum { THREADS = 16, ROUNDS = MANY(4000) };
 
 typedef struct job {
     const srbf_material *material;
