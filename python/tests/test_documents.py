@@ -47,7 +47,11 @@ def test_from_a_measured_file_to_samples(folder, capsys):
 
 def test_a_material_in_mitsuba(folder):
     pytest.importorskip("mitsuba")
-    # In a process of its own, as one cannot hold two of Mitsuba's variants; the scalar one needs no LLVM.
-    program = blocks()[1].replace("llvm_ad_rgb", "scalar_rgb") + "\nassert isinstance(bsdf, mi.BSDF) and bsdf.flags()\n"
+    # In a process of its own, as one cannot hold two of Mitsuba's variants; the scalar one needs no LLVM. It calls Python at each hit, so that
+    # its picture is small.
+    small = '"fov": 35, "film": {"type": "hdrfilm", "width": 64, "height": 48},'
+    program = blocks()[1].replace("llvm_ad_rgb", "scalar_rgb").replace('"fov": 35,', small)
+    assert small in program
+    program += "\nassert isinstance(bsdf, mi.BSDF) and bsdf.flags()\n"
     subprocess.run([sys.executable, "-c", program], check=True)
     assert (folder / "ball.png").read_bytes().startswith(b"\x89PNG")
