@@ -8,7 +8,8 @@ says which one runs. A first run of all tests writes which test reaches which mu
 until one fails. A mutant that cannot stand beside the original (constants, `const fn` that a constant calls) is compiled alone, and meets the tests of its package.
 The tests are those of PROGRAMS, at the level that the machine has. Left out: code that this processor, or this choice of features, does not compile.
 
-Needs `cargo install --locked cargo-mutants`. Rows go to target/mutants/AREA.csv. A survivor is judged by hand, in docs/figures/survivors.csv.
+Needs `cargo install --locked cargo-mutants`. Rows go to target/mutants/results.csv. A survivor is judged by hand, in docs/figures/survivors.csv:
+`equivalent` with its reason, `closed` with the test that finds it since, or `open`.
 """
 import csv
 import json
@@ -350,5 +351,20 @@ def write(mutants, results):
         writer.writerows([mutants[n - 1]["area"], mutants[n - 1]["name"], *row] for n, row in sorted(results.items()))
 
 
-if __name__ == "__main__":
+def table():
+    """The table, of the results and of docs/figures/survivors.csv."""
+    results = list(csv.DictReader((HOUSE / "results.csv").open()))
+    judged = {row["mutant"]: row["verdict"] for row in csv.DictReader((ROOT / "docs/figures/survivors.csv").open())}
+    writer = csv.writer(sys.stdout, lineterminator="\n")
+    writer.writerow("area,mutants,killed,do not compile,timeout,equivalent,gaps closed by a test,open".split(","))
+    for area in AREAS:
+        mine = [row for row in results if row["area"] == area]
+        verdicts = [row["result"] if row["result"] != "survived" else judged.get(row["mutant"], "open") for row in mine]
+        kinds = ["killed", "does not compile", "timeout", "equivalent", "closed", "open"]
+        writer.writerow([area, len(mine), *(verdicts.count(kind) for kind in kinds)])
+
+
+if __name__ == "__main__" and sys.argv[1:] == ["--table"]:
+    table()
+elif __name__ == "__main__":
     main({area: int(count) for area, count in (word.split("=") for word in sys.argv[1:])})
