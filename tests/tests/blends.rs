@@ -284,6 +284,36 @@ fn hits_of_other_blends_are_asked_together() {
     });
 }
 
+/// The room for lobes has the hits of a block times their parts.
+#[test]
+fn requests_of_any_length_have_the_answers_of_long_ones() {
+    let all = all();
+    let mut random = Random(66);
+    let (wo, wi, u): (Vec<_>, Vec<_>, Vec<_>) =
+        (0..33).map(|_| (upper(&mut random), upper(&mut random), Vec3::from(random.three()))).collect();
+    for_each_level(|level| {
+        for count in 1..=4 {
+            let parts: Vec<_> = (0..count).map(|k| BlendPart::new(&all[7 + k], 0.5)).collect();
+            let blend = Blend::new(&parts).unwrap();
+            for n in 1..=wo.len() {
+                let asked = ask(&|wo, request| blend.ask(wo, request), &wo[..n], &wi[..n], &u[..n]);
+                for (i, (.., value, density)) in asked.into_iter().enumerate() {
+                    let single = blend.evaluate_and_pdf(wo[i], wi[i]);
+                    let off = (value - single.0).abs().max_element();
+                    assert!(
+                        off <= 1e-3 * single.0.abs().max_element().max(1e-3),
+                        "{level:?} {count} {n} {i}"
+                    );
+                    assert!(
+                        (density - single.1).abs() <= 1e-3 * single.1.max(1e-3),
+                        "{level:?} {count} {n} {i}"
+                    );
+                }
+            }
+        }
+    });
+}
+
 #[test]
 fn draws_follow_the_density_and_bring_the_albedo() {
     let all = all();

@@ -85,3 +85,17 @@ impl Conventions {
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn values_are_divided_by_a_number_in_its_range() {
+        let of = |divide: f64| Conventions { divide, ..Conventions::default() }.check();
+        assert!([1e-12, 0.5, 1e12].into_iter().all(|divide| of(divide).is_ok()));
+        for divide in [0.0, -1.0, 1e-13, 1e13, f64::INFINITY, f64::NAN] {
+            assert!(of(divide).unwrap_err().contains("1e-12 to 1e12"), "{divide}");
+        }
+    }
+}

@@ -69,3 +69,31 @@ pub fn parse(bytes: &[u8], conventions: &Conventions) -> Result<Intake, ReadErro
     reading.note("FRED: phi 0 is the side of the mirror direction");
     reading.finish()
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_format_is_followed_or_refused() {
+        let of = |format: &str, numbers: &str| {
+            let text = format!("type bsdf_data\nformat {format}\n{numbers}");
+            parse(text.as_bytes(), &Conventions::default())
+        };
+        let degrees = "10 0\n30 90 0.25\n";
+        for (format, word) in [
+            ("angles=grad bsdf=value", "angles=grad"),
+            ("angles=deg bsdf=log", "bsdf=log"),
+            ("angles=deg bsdf=value scale=-1", "scale `-1`"),
+        ] {
+            let error = of(format, degrees).unwrap_err().to_string();
+            assert!(error.contains("line 2") && error.contains(word), "{format}: {error}");
+        }
+        let row = |format: &str, numbers: &str| of(format, numbers).unwrap().rows[0];
+        let [plain, twice] =
+            ["scale=1", "scale=2"].map(|s| row(&format!("angles=deg bsdf=value {s}"), degrees));
+        assert_eq!((plain.wi, plain.wo, 2.0 * plain.rgb[0]), (twice.wi, twice.wo, twice.rgb[0]));
+        let radians = row("angles=rad bsdf=value", "0.174532925 0\n0.523598776 1.570796327 0.25\n");
+        assert!((0..3).all(|k| (radians.wo[k] - plain.wo[k]).abs() < 1e-8), "{radians:?} {plain:?}");
+    }
+}

@@ -182,4 +182,17 @@ mod tests {
         let shape = file("{'descr': '<f8', 'fortran_order': False, 'shape': (5, 2), }", &rows);
         assert!(parse(&shape).unwrap_err().to_string().contains("[5, 2]"));
     }
+
+    #[test]
+    fn seven_columns_of_two_unit_vectors_and_a_value_are_directions() {
+        let rows = [0.6, 0.0, 0.8, -0.28, 0.0, 0.96, 0.25, 0.0, 0.6, 0.8, 0.0, -0.8, 0.6, 0.5];
+        let bytes = file("{'descr': '<f8', 'fortran_order': False, 'shape': (2, 7), }", &rows);
+        let intake = parse(&bytes, &Conventions::default()).unwrap();
+        for (row, wanted) in intake.rows.iter().zip(rows.chunks(7)) {
+            let found = [row.wi, row.wo].concat();
+            assert!(found.iter().zip(wanted).all(|(a, b)| (a - b).abs() < 1e-9), "{row:?} {wanted:?}");
+            assert_eq!(row.rgb, [wanted[6]; 3]);
+        }
+        assert_eq!(intake.rows.len(), 2);
+    }
 }

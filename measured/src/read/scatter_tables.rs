@@ -390,10 +390,19 @@ mod tests {
             format!("AOI 30\nPOI {plane}\nSide Front\nWavelength 550\nScatterType BRDF\nTIS .3\n{values}\n")
         };
         let of_plane = ".1 .1 .1 .1 .1 .1 .1 .9";
-        for (second, from) in [(of_plane, "that plane"), (".1 .9 .1 .1 .1 .1 .1 .1", "the sample")] {
-            let text = head.to_owned() + &block("0", of_plane) + &block("90", second) + "DataEnd\n";
+        for (plane, second, from) in [
+            ("90", of_plane, "that plane"),
+            ("90", ".1 .9 .1 .1 .1 .1 .1 .1", "the sample"),
+            ("270", of_plane, "that plane"),
+            ("270", ".1 .1 .1 .1 .1 .9 .1 .1", "the sample"),
+        ] {
+            let text = head.to_owned() + &block("0", of_plane) + &block(plane, second) + "DataEnd\n";
             let intake = lighttools(text.as_bytes(), &Conventions::default()).unwrap();
-            assert!(intake.notes.iter().any(|note| note.text.contains(from)), "{from}: {:?}", intake.notes);
+            assert!(
+                intake.notes.iter().any(|note| note.text.contains(from)),
+                "{plane} {from}: {:?}",
+                intake.notes
+            );
             for row in intake.rows.iter().filter(|row| row.rgb[0] > 0.5) {
                 let mirror = [-row.wi[0], -row.wi[1], row.wi[2]];
                 assert!((0..3).all(|k| (mirror[k] - row.wo[k]).abs() < 1e-9), "{row:?}");

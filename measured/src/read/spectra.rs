@@ -375,6 +375,21 @@ mod tests {
 
     /// Mixtures of three spectra come back as they were; samples of one hue as spectra of their colour.
     #[test]
+    fn the_worst_wavelength_is_that_of_the_largest_error() {
+        let of_wavelength = vec![0.1, 0.3, 0.2];
+        let spectra = Spectra {
+            wavelengths: vec![450.0, 550.0, 650.0],
+            of_rgb: vec![[0.0, 0.0, 1.0], [0.0, 1.0, 0.0], [1.0, 0.0, 0.0]],
+            is_grey: false,
+            errors: SpectralErrors::default(),
+            samples: Vec::new(),
+            visible: 0..0,
+        };
+        let errors = SpectralErrors { of_wavelength, ..SpectralErrors::default() };
+        assert_eq!(spectra.worst(&errors), (550.0, 0.3));
+    }
+
+    #[test]
     fn spectra_of_mixtures_come_back() {
         let wavelengths = wavelengths();
         let to_rgb = ToRgb::new(&wavelengths).unwrap();

@@ -444,6 +444,18 @@ mod tests {
     }
 
     #[test]
+    fn the_azimuth_of_a_whole_turn_is_the_first_again() {
+        let of = |last: &str| {
+            let text = head("brdf surface file v9.0")
+                + "1 0\n1\n1 1\n30\n550\n50\n"
+                + &grid(1.0).replace("180", last);
+            spectral(text.as_bytes(), &Conventions::default()).unwrap().rows.len()
+        };
+        // The normal is one sample, and those of theta 90 are left out.
+        assert_eq!([of("180"), of("360")], [1 + 2 * 3, 1 + 2 * 2]);
+    }
+
+    #[test]
     fn a_table_for_each_wavelength_is_a_colour() {
         let table = |percent: f64| format!("{percent}\n{}", grid(1.0));
         let lines = [400, 450, 500, 550, 600, 650, 700];

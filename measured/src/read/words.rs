@@ -67,3 +67,16 @@ impl<'a> Words<'a> {
         ReadError::Word { line: self.line, index: self.count, found, expected: expected.into() }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_word_has_its_line_and_comments_have_none() {
+        let mut words = Words::new("1 2\n! none\n\n3\nodd\n", &["!"]);
+        let lines = [(); 3].map(|()| words.number("a number").map(|number| (number, words.line())).unwrap());
+        assert_eq!(lines, [(1.0, 1), (2.0, 1), (3.0, 4)]);
+        assert!(words.number("a number").unwrap_err().to_string().contains("line 5"));
+    }
+}

@@ -246,6 +246,18 @@ mod tests {
     use super::*;
 
     #[test]
+    fn a_grid_of_other_numbers_of_columns_and_rows_is_the_one_between_its_numbers() {
+        let grid = Grid::new(vec![0.0, 1.0, 2.0, 3.0, 4.0, 5.0], 3, 2).unwrap();
+        assert_eq!(grid.resampled(3, 2).values, grid.values);
+        let finer = grid.resampled(5, 3);
+        assert_eq!((finer.size(), finer.values.len()), ([5, 3], 15));
+        for (n, value) in finer.values.iter().enumerate() {
+            let wanted = 0.5 * (n % 5) as f64 + 1.5 * (n / 5) as f64;
+            assert!((value - wanted).abs() < 1e-12, "{n}: {value} {wanted}");
+        }
+    }
+
+    #[test]
     fn a_grid_stays_between_its_numbers_at_any_ratio_of_them() {
         for large in [1.0, 1e8, 1e17, 1e30] {
             let grid = Grid::new(vec![large, 1.0, 1.0, large], 2, 2).unwrap();
