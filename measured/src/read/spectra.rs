@@ -373,7 +373,6 @@ mod tests {
         a.iter().zip(b).all(|(x, y)| (x - y).abs() < 1e-9 * (1.0 + y.abs()))
     }
 
-    /// Mixtures of three spectra come back as they were; samples of one hue as spectra of their colour.
     #[test]
     fn the_worst_wavelength_is_that_of_the_largest_error() {
         let of_wavelength = vec![0.1, 0.3, 0.2];
@@ -389,6 +388,7 @@ mod tests {
         assert_eq!(spectra.worst(&errors), (550.0, 0.3));
     }
 
+    /// Mixtures of three spectra come back as they were; samples of one hue as spectra of their colour.
     #[test]
     fn spectra_of_mixtures_come_back() {
         let wavelengths = wavelengths();
