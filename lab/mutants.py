@@ -26,7 +26,7 @@ ROOT = Path(__file__).resolve().parent.parent
 HOUSE = ROOT / "target" / "mutants"
 TREE, BUILD = HOUSE / "tree", HOUSE / "build"
 SEED = 66
-# Longest run of one test, seconds, beside what it takes without a mutant.
+# Longest run of one test, seconds, beside its seconds without a mutant.
 LIMIT = 60
 AREAS = {
     "core": ("srbf-core", "core/src/", "crate"),
@@ -210,7 +210,7 @@ def compile_together(mutants):
                 if inner:
                     alone.update({n: message for n in inner[0][2] if n not in alone})
         if len(alone) == before:
-            # The error is elsewhere: a constant calls a function that is `const` no longer.
+            # The error is elsewhere: a constant calls a function that has lost `const`.
             named = {n for n, m in enumerate(mutants, 1) if n not in alone and m["function"]
                      and re.search(r"\bconst fn\b", (ROOT / m["file"]).read_text()[slice(*body_of((ROOT / m["file"]).read_text(), m)[:2])])}
             if not named:
@@ -234,7 +234,7 @@ def programs(packages, tests):
 
 
 def run(program, tests=(), limit=600, **variables):
-    """The result of a program of tests: passed, failed or timeout; and what it printed."""
+    """The result of a program of tests: passed, failed or timeout; and its text."""
     executable, folder = program
     environment = dict(os.environ, RUSTC_BOOTSTRAP="1", CARGO_MANIFEST_DIR=str(folder), CARGO_TARGET_DIR=str(BUILD), **variables)
     command = [executable, "-Zunstable-options", "--report-time", "--test-threads=2", *(["--exact", *tests] if tests else [])]
