@@ -83,6 +83,7 @@ fn stored_albedos_of_measured_materials_hold() {
     let folder =
         PathBuf::from(std::env::var_os("SRBF_DATA_DIR").expect("SRBF_DATA_DIR names the data folder"));
     let bounds = [
+        ("vch_golden_yellow", [0.09, 0.3]),
         // At 62 degrees, where the true albedo bends between views, and no bytes are left for one more.
         ("cc_green_malachite", [0.65, 2.1]),
         ("irid_flake_paint1", [0.25, 0.8]),

@@ -55,13 +55,14 @@ static void test_without_threads(void) {
     CHECK(waitpid(child, &status, 0) == child && WIFEXITED(status) && WEXITSTATUS(status) == 0);
 }
 
-/* Settings of a fit that takes about a second; with SHORT it does a fraction, and its errors are not held. */
+/* Work of the fits. With SHORT it is a fraction, and their errors are not held. */
 #ifdef SHORT
 enum { FITTED_VIEWS = 2, STARTS = 1, STEPS = 2, SAMPLES = 50, FITS_IN_CHILD = 1 };
 #else
 enum { FITTED_VIEWS = 6, STARTS = 2, STEPS = 20, SAMPLES = 400, FITS_IN_CHILD = 2 };
 #endif
 
+/* Settings of a fit that takes about a second. */
 static srbf_fit_settings quick(void) {
     srbf_fit_settings settings;
     CHECK_OK(srbf_fit_settings_default(&settings));

@@ -1,19 +1,18 @@
 /* Eight threads share one material, one expanded material, one environment and one mixture, and call all that can be called with
  * them: the same results as one thread, bit by bit. Under ThreadSanitizer: no report.
  *
- *     shared MATERIAL.srbf [ROUNDS]
+ *     shared MATERIAL.srbf
  */
 #include "check.h"
 #include <pthread.h>
 
-enum { THREADS = 8, PAIRS = 21, ROWS = 64, WIDTH = 8, HEIGHT = 4, CANDIDATES = 4 };
+enum { THREADS = 8, PAIRS = 21, ROWS = 64, WIDTH = 8, HEIGHT = 4, CANDIDATES = 4, ROUNDS = MANY(300) };
 
 typedef struct job {
     const srbf_material *material;
     const srbf_expanded *expanded; /* NULL: the material is anisotropic */
     const srbf_environment *environment;
     const srbf_mixture *mixture;
-    long rounds;
     uint64_t seed, result;
 } job;
 
@@ -95,7 +94,7 @@ static uint64_t pairs(const job *j, uint64_t *state, uint64_t hash) {
 static void *work(void *argument) {
     job *j = (job *)argument;
     uint64_t state = j->seed, hash = 14695981039346656037u;
-    for (long i = 0; i < j->rounds; i++) {
+    for (int i = 0; i < ROUNDS; i++) {
         hash = pairs(j, &state, light(j, &state, one_by_one(j, &state, hash)));
         /* Messages are each thread's own. */
         CHECK_STATUS(SRBF_STATUS_NULL, srbf_material_prepare(NULL, NULL, NULL));
@@ -119,8 +118,7 @@ static void run(job *jobs, int together) {
 }
 
 int main(int count, char **arguments) {
-    CHECK(count == 2 || count == 3);
-    const long rounds = count == 3 ? atol(arguments[2]) : MANY(300);
+    CHECK(count == 2);
     srbf_material *material;
     CHECK_OK(srbf_material_load(arguments[1], &material));
     _Alignas(SRBF_MIXTURE_ALIGNMENT) unsigned char storage[SRBF_MIXTURE_SIZE_64];
@@ -152,7 +150,7 @@ int main(int count, char **arguments) {
 
     job together[THREADS], alone[THREADS];
     for (int t = 0; t < THREADS; t++) {
-        together[t] = (job){material, expanded, environment, mixture, rounds, (uint64_t)t + 1, 0};
+        together[t] = (job){material, expanded, environment, mixture, (uint64_t)t + 1, 0};
         alone[t] = together[t];
     }
     run(together, 1), run(alone, 0);
