@@ -14,7 +14,7 @@ use density::Seen;
 use glam::Vec3;
 use materials::{lobe_count, material};
 use srbf_core::{
-    AnyMixture, Blend, BlendPart, Domain, Draws, Error, Expanded, Level, LightBlock, Lobe, Mixture,
+    AnyMixture, Blend, BlendPart, Domain, Draws, Error, Expanded, Level, LightBlock, Lobe, Material, Mixture,
     ProductSampling, Quarter, Request, Sample, Sheet, SheetMixture, fresnel,
 };
 use srbf_tests::inputs::Random;
@@ -45,17 +45,65 @@ fn batch(
     wo: Vec3,
     ask: impl Fn([&[f32]; 3], Request<'_>) -> Result<(), Error>,
 ) -> Vec<Option<Sample>> {
-    let (u, wo) = (Soa::new(&numbers(random)), Soa::new(&[wo; DRAWS]));
-    let (mut direction, mut weight, mut pdf) = (Soa::empty(DRAWS), Soa::empty(DRAWS), vec![f32::NAN; DRAWS]);
+    let mut draws = Vec::new();
+    request(random, DRAWS, &[wo], &mut |_, sample| draws.push(sample), |_, wo, request| ask(wo, request));
+    draws
+}
+
+/// Draws of many requests of one to three hits, which are taken one by one.
+fn few(
+    random: &mut Random,
+    wo: Vec3,
+    ask: impl Fn([&[f32]; 3], Request<'_>) -> Result<(), Error>,
+) -> Vec<Option<Sample>> {
+    let mut draws = Vec::new();
+    while draws.len() < DRAWS {
+        let count = 1 + random.below(3);
+        request(random, count, &[wo], &mut |_, sample| draws.push(sample), |_, wo, request| ask(wo, request));
+    }
+    draws
+}
+
+/// Draws of requests whose hits have subjects at random, in no order, those of each apart. Half of them are of one request, and the others of
+/// requests of any size up to 40.
+fn mixed<const N: usize>(
+    random: &mut Random,
+    wo: [Vec3; N],
+    ask: impl Fn(&[usize], [&[f32]; 3], Request<'_>) -> Result<(), Error>,
+) -> [Vec<Option<Sample>>; N] {
+    let mut draws = [const { Vec::new() }; N];
+    let (mut left, mut count) = (N * DRAWS, N * DRAWS / 2);
+    while left > 0 {
+        request(random, count, &wo, &mut |subject, sample| draws[subject].push(sample), &ask);
+        left -= count;
+        count = left.min(1 + random.below(40));
+    }
+    draws
+}
+
+/// One request of `count` hits, each of a subject at random, which has its outgoing direction.
+fn request(
+    random: &mut Random,
+    count: usize,
+    wo: &[Vec3],
+    see: &mut dyn FnMut(usize, Option<Sample>),
+    ask: impl Fn(&[usize], [&[f32]; 3], Request<'_>) -> Result<(), Error>,
+) {
+    let subjects: Vec<usize> = (0..count).map(|_| random.below(wo.len())).collect();
+    let u: Vec<Vec3> = (0..count).map(|_| random.three().into()).collect();
+    let (u, wo) = (Soa::new(&u), Soa::new(&subjects.iter().map(|&subject| wo[subject]).collect::<Vec<_>>()));
+    let (mut direction, mut weight, mut pdf) = (Soa::empty(count), Soa::empty(count), vec![f32::NAN; count]);
     let draw = Draws {
         u: u.slices(),
         direction: direction.slices_mut(),
         pdf: Some(&mut pdf),
         weight: Some(weight.slices_mut()),
     };
-    ask(wo.slices(), draw.into()).unwrap();
-    let sample = |i: usize| Sample { direction: direction.at(i), pdf: pdf[i], weight: weight.at(i) };
-    (0..DRAWS).map(|i| (pdf[i] > 0.0).then(|| sample(i))).collect()
+    ask(&subjects, wo.slices(), draw.into()).unwrap();
+    for (i, &subject) in subjects.iter().enumerate() {
+        let sample = Sample { direction: direction.at(i), pdf: pdf[i], weight: weight.at(i) };
+        see(subject, (pdf[i] > 0.0).then_some(sample));
+    }
 }
 
 /// A direction from the normal to grazing.
@@ -74,7 +122,8 @@ fn round(table: &mut Table, level: Level, random: &mut Random) {
     of_material(table, level.name(), random);
     of_own_lobes(table, level.name(), random);
     of_sheet(table, level.name(), random);
-    of_blend(table, level.name(), random);
+    of_blends(table, level.name(), random);
+    of_two_materials(table, level.name(), random);
     of_light(table, level.name(), 1.0, random);
 }
 
@@ -90,6 +139,7 @@ fn of_material(table: &mut Table, level: &'static str, random: &mut Random) {
     };
     check("Material::sample", &m, singles(random, |u| material.sample(wo, u)), random);
     check("Material::ask", &m, batch(random, wo, |wo, request| material.ask(wo, request)), random);
+    check("Material::ask, few", &m, few(random, wo, |wo, request| material.ask(wo, request)), random);
     if material.is_isotropic() {
         const ROWS: usize = 64;
         let mut memory = vec![0.0; material.expanded_len(ROWS)];
@@ -111,6 +161,8 @@ fn of_mixture(
     table.check(["Mixture::sample", level], &truth, &draws, Some(&furnace), random);
     let draws = batch(random, Vec3::Z, |_, request| m.ask(request));
     table.check(["Mixture::ask", level], &truth, &draws, Some(&furnace), random);
+    let draws = few(random, Vec3::Z, |_, request| m.ask(request));
+    table.check(["Mixture::ask, few", level], &truth, &draws, Some(&furnace), random);
 }
 
 /// On the sphere too.
@@ -154,39 +206,104 @@ fn of_sheet(table: &mut Table, level: &'static str, random: &mut Random) {
     check("SheetMixture::sample", singles(random, |u| pair.sample(u)), random);
     check("Sheet::sample", singles(random, |u| sheet.sample(wo, u)), random);
     check("Sheet::ask", batch(random, wo, |wo, request| sheet.ask(wo, request)), random);
+    check("Sheet::ask, few", few(random, wo, |wo, request| sheet.ask(wo, request)), random);
 }
 
-fn of_blend(table: &mut Table, level: &'static str, random: &mut Random) {
-    let materials: Vec<_> = (0..2 + random.below(3)).map(|_| material(random)).collect();
-    let wo = outgoing(random);
-    let coated = random.below(3) == 0;
-    let index = if coated { random.between(1.0, 2.0) } else { 1.0 };
-    let part = |material| {
-        let weight = random.between(0.05, 1.0);
-        BlendPart::new(material, weight).tinted(random.three()).coated(index)
-    };
-    let parts: Vec<BlendPart<'_>> = materials.iter().map(part).collect();
-    let blend = Blend::new(&parts).unwrap();
-    let mut mixtures = vec![Mixture::<64>::empty(); parts.len()];
-    for (material, m) in materials.iter().zip(&mut mixtures) {
+/// Two materials, or their mixtures, in the same requests.
+fn of_two_materials(table: &mut Table, level: &'static str, random: &mut Random) {
+    let (materials, wo) = ([material(random), material(random)], [outgoing(random), outgoing(random)]);
+    let mut mixtures = [Mixture::<64>::empty(), Mixture::empty()];
+    for ((material, wo), m) in materials.iter().zip(wo).zip(&mut mixtures) {
         material.prepare(wo, m).unwrap();
     }
-    let powers: Vec<f64> = parts
-        .iter()
-        .zip(&mixtures)
-        .map(|(part, m)| luminance(part.tint().as_dvec3()) * f64::from(part.weight() * m.power()))
-        .collect();
-    let power: f64 = powers.iter().sum();
-    let truth: Vec<Seen> =
-        mixtures.iter().zip(powers).map(|(m, own)| Seen::new(m, own / power, false)).collect();
-    // Below a coat the weights have the transmittance towards wi, of which the albedo is a bound.
-    let coat = |wi: Vec3| Vec3::splat(1.0 - fresnel(index, wi.z));
-    let furnace = Furnace { albedo: blend.albedo(wo), factor: &coat, luminance: None };
-    let furnace = (!mixtures.iter().any(|m| m.has_factors())).then_some(&furnace);
+    let mut check = |verb, draws: [Vec<_>; 2], random: &mut Random| {
+        for (i, draws) in draws.iter().enumerate() {
+            let factor = |wi: Vec3| materials[i].factor(wo[i], wi);
+            let furnace = Furnace::of(&mixtures[i], &factor);
+            let truth = [Seen::new(&mixtures[i], 1.0, false)];
+            table.check([verb, level], &truth, draws, Some(&furnace), random);
+        }
+    };
+    let draws = mixed(random, wo, |subjects, wo, request| {
+        Material::ask_each(&subjects.iter().map(|&i| &materials[i]).collect::<Vec<_>>(), wo, request)
+    });
+    check("Material::ask_each", draws, random);
+    let draws = mixed(random, wo, |subjects, _, request| {
+        AnyMixture::ask_each(&subjects.iter().map(|&i| &mixtures[i]).collect::<Vec<_>>(), request)
+    });
+    check("Mixture::ask_each", draws, random);
+}
+
+/// A blend at an outgoing direction, and what the oracle sees of it.
+struct Blended<'a> {
+    parts: Vec<BlendPart<'a>>,
+    wo: Vec3,
+    /// Of the coat; 1 is none.
+    index: f32,
+    truth: Vec<Seen>,
+    has_factors: bool,
+}
+
+impl<'a> Blended<'a> {
+    fn new(materials: &'a [Material<Vec<u8>>], random: &mut Random) -> Self {
+        let wo = outgoing(random);
+        let index = if random.below(3) == 0 { random.between(1.0, 2.0) } else { 1.0 };
+        let part = |material| {
+            let weight = random.between(0.05, 1.0);
+            BlendPart::new(material, weight).tinted(random.three()).coated(index)
+        };
+        let parts: Vec<BlendPart<'_>> = materials.iter().map(part).collect();
+        let mut mixtures = vec![Mixture::<64>::empty(); parts.len()];
+        for (material, m) in materials.iter().zip(&mut mixtures) {
+            material.prepare(wo, m).unwrap();
+        }
+        let powers: Vec<f64> = parts
+            .iter()
+            .zip(&mixtures)
+            .map(|(part, m)| luminance(part.tint().as_dvec3()) * f64::from(part.weight() * m.power()))
+            .collect();
+        let power: f64 = powers.iter().sum();
+        let truth = mixtures.iter().zip(powers).map(|(m, own)| Seen::new(m, own / power, false)).collect();
+        let has_factors = mixtures.iter().any(|m| m.has_factors());
+        Self { parts, wo, index, truth, has_factors }
+    }
+
+    fn blend(&self) -> Blend<'_> {
+        Blend::new(&self.parts).unwrap()
+    }
+
+    fn check(
+        &self,
+        table: &mut Table,
+        place: [&'static str; 2],
+        draws: &[Option<Sample>],
+        random: &mut Random,
+    ) {
+        // Below a coat the weights have the transmittance towards wi, of which the albedo is a bound.
+        let coat = |wi: Vec3| Vec3::splat(1.0 - fresnel(self.index, wi.z));
+        let furnace = Furnace { albedo: self.blend().albedo(self.wo), factor: &coat, luminance: None };
+        let furnace = (!self.has_factors).then_some(&furnace);
+        table.check(place, &self.truth, draws, furnace, random);
+    }
+}
+
+fn of_blends(table: &mut Table, level: &'static str, random: &mut Random) {
+    let materials: Vec<_> = (0..2 + random.below(3)).map(|_| material(random)).collect();
+    let one = Blended::new(&materials, random);
+    let (blend, wo) = (one.blend(), one.wo);
     let draws = singles(random, |u| blend.sample(wo, u));
-    table.check(["Blend::sample", level], &truth, &draws, furnace, random);
+    one.check(table, ["Blend::sample", level], &draws, random);
     let draws = batch(random, wo, |wo, request| blend.ask(wo, request));
-    table.check(["Blend::ask", level], &truth, &draws, furnace, random);
+    one.check(table, ["Blend::ask", level], &draws, random);
+    let draws = few(random, wo, |wo, request| blend.ask(wo, request));
+    one.check(table, ["Blend::ask, few", level], &draws, random);
+    let both = [one, Blended::new(&materials[1..], random)];
+    let draws = mixed(random, both.each_ref().map(|blended| blended.wo), |subjects, wo, request| {
+        Blend::ask_each(&subjects.iter().map(|&i| both[i].blend()).collect::<Vec<_>>(), wo, request)
+    });
+    for (blended, draws) in both.iter().zip(&draws) {
+        blended.check(table, ["Blend::ask_each", level], draws, random);
+    }
 }
 
 /// Even sums and products of a random material and a random map, in a random frame, against one draw of each by the balance heuristic.
