@@ -132,9 +132,13 @@ pub fn run(cli: Cli) -> anyhow::Result<()> {
     }
 }
 
-/// Where rayon would panic, as it cannot start its threads, one thread does the work: this one, where there is no other. The environment
+/// Bytes of memory of any command, beside those of its table and its picture.
+const WORK: u64 = 64_000_000;
+
+/// Little memory is an error before threads have taken some. Where rayon would panic, as it cannot start its threads, one thread does the work: this one, where there is no other. The environment
 /// variable `SRBF_SIMD` names the instruction set, if it is set; for tests and comparisons.
 fn start() -> anyhow::Result<()> {
+    srbf_fit::check_memory(WORK)?;
     let threads = |count| rayon::ThreadPoolBuilder::new().num_threads(count);
     if threads(0).build().is_err() {
         let is_there = threads(1).build().is_ok();

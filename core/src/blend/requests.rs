@@ -221,8 +221,7 @@ impl<'a> Columns<'a> {
         block.copy_in(&draw.u, &mut scratch.room.u);
         let mut lobes = [self.lobes(groups, 0, 0); WIDEST];
         (scratch.chosen.count, scratch.chosen.in_plane) = (block.count, true);
-        for (i, lobes) in lobes.iter_mut().enumerate() {
-            let i = i.min(block.count - 1);
+        for (i, lobes) in lobes.iter_mut().enumerate().take(block.count) {
             let (column, left) = choose(&shares[i], scratch.room.u[0][i]);
             *lobes = self.lobes(groups, column, i);
             scratch.chosen.copy_hit(i, &scratch.hits[column], shares[i][column] > 0.0);

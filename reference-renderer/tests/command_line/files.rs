@@ -110,8 +110,12 @@ fn memory_that_is_not_there_is_an_error() {
     std::fs::write(place.join("long.csv"), text).unwrap();
     std::fs::write(place.join("short.csv"), rows()).unwrap();
     for (megabytes, arguments, says) in [
-        (150, "fit long.csv -o out.srbf", &["long.csv", "of memory are needed"][..]),
-        (20, "fit long.csv -o out.srbf", &["long.csv", "37 MB of memory are needed"]),
+        (60, "view garnet_red", &["64 MB of memory are needed"][..]),
+        (20, "inspect garnet_red", &["64 MB of memory are needed"]),
+        (40, "plot garnet_red", &["64 MB of memory are needed"]),
+        (25, "render --scene sphere --material garnet_red -o out.exr", &["64 MB of memory are needed"]),
+        (150, "fit long.csv -o out.srbf", &["long.csv", "of memory are needed"]),
+        (20, "fit long.csv -o out.srbf", &["64 MB of memory are needed"]),
         (300, "fit short.csv -o out.srbf", &["too little memory for the fit"]),
         (300, "fit model:lambert:albedo=0.3 -o out.srbf", &["too little memory for the fit"]),
         (
