@@ -135,8 +135,9 @@ pub fn run(cli: Cli) -> anyhow::Result<()> {
 /// Bytes of memory of any command, beside those of its table and its picture.
 const WORK: u64 = 64_000_000;
 
-/// Little memory is an error before threads have taken some. Where rayon would panic, as it cannot start its threads, one thread does the work: this one, where there is no other. The environment
-/// variable `SRBF_SIMD` names the instruction set, if it is set; for tests and comparisons.
+/// Little memory is an error before threads have taken some. Where rayon would panic, as it cannot start its threads, one thread does the
+/// work: this one, where there is no other. The environment variable `SRBF_SIMD` names the instruction set, if it is set; for tests and
+/// comparisons.
 fn start() -> anyhow::Result<()> {
     srbf_fit::check_memory(WORK)?;
     let threads = |count| rayon::ThreadPoolBuilder::new().num_threads(count);

@@ -139,7 +139,7 @@ fn of_material(table: &mut Table, level: &'static str, random: &mut Random) {
     };
     check("Material::sample", &m, singles(random, |u| material.sample(wo, u)), random);
     check("Material::ask", &m, batch(random, wo, |wo, request| material.ask(wo, request)), random);
-    check("Material::ask, few", &m, few(random, wo, |wo, request| material.ask(wo, request)), random);
+    check("Material::ask of few", &m, few(random, wo, |wo, request| material.ask(wo, request)), random);
     if material.is_isotropic() {
         const ROWS: usize = 64;
         let mut memory = vec![0.0; material.expanded_len(ROWS)];
@@ -162,7 +162,7 @@ fn of_mixture(
     let draws = batch(random, Vec3::Z, |_, request| m.ask(request));
     table.check(["Mixture::ask", level], &truth, &draws, Some(&furnace), random);
     let draws = few(random, Vec3::Z, |_, request| m.ask(request));
-    table.check(["Mixture::ask, few", level], &truth, &draws, Some(&furnace), random);
+    table.check(["Mixture::ask of few", level], &truth, &draws, Some(&furnace), random);
 }
 
 /// On the sphere too.
@@ -206,7 +206,7 @@ fn of_sheet(table: &mut Table, level: &'static str, random: &mut Random) {
     check("SheetMixture::sample", singles(random, |u| pair.sample(u)), random);
     check("Sheet::sample", singles(random, |u| sheet.sample(wo, u)), random);
     check("Sheet::ask", batch(random, wo, |wo, request| sheet.ask(wo, request)), random);
-    check("Sheet::ask, few", few(random, wo, |wo, request| sheet.ask(wo, request)), random);
+    check("Sheet::ask of few", few(random, wo, |wo, request| sheet.ask(wo, request)), random);
 }
 
 /// Two materials, or their mixtures, in the same requests.
@@ -296,7 +296,7 @@ fn of_blends(table: &mut Table, level: &'static str, random: &mut Random) {
     let draws = batch(random, wo, |wo, request| blend.ask(wo, request));
     one.check(table, ["Blend::ask", level], &draws, random);
     let draws = few(random, wo, |wo, request| blend.ask(wo, request));
-    one.check(table, ["Blend::ask, few", level], &draws, random);
+    one.check(table, ["Blend::ask of few", level], &draws, random);
     let both = [one, Blended::new(&materials[1..], random)];
     let draws = mixed(random, both.each_ref().map(|blended| blended.wo), |subjects, wo, request| {
         Blend::ask_each(&subjects.iter().map(|&i| both[i].blend()).collect::<Vec<_>>(), wo, request)
