@@ -234,7 +234,7 @@ fn of_two_materials(table: &mut Table, level: &'static str, random: &mut Random)
     check("Mixture::ask_each", draws, random);
 }
 
-/// A blend at an outgoing direction, and what the oracle sees of it.
+/// A blend at an outgoing direction, with the densities of its parts.
 struct Blended<'a> {
     parts: Vec<BlendPart<'a>>,
     wo: Vec3,
