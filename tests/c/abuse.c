@@ -43,9 +43,11 @@ static int names_an_argument(void) {
 /* An object argument: NULL, misaligned, and memory that holds no such object. */
 #define CHECK_OBJECT(type, good, call)                        \
     do {                                                      \
-        _Alignas(64) unsigned char zeros[SRBF_MIXTURE_SIZE_64] = {0}; \
+        _Alignas(64) unsigned char bytes_[SRBF_MIXTURE_SIZE_64] = {0}; \
         CHECK_POINTER(type, good, call);                      \
-        type *p = (type *)(void *)zeros;                      \
+        type *p = (type *)(void *)bytes_;                     \
+        CHECK_STATUS(SRBF_STATUS_OBJECT, call);               \
+        memset(bytes_, 0x5a, sizeof bytes_);                  \
         CHECK_STATUS(SRBF_STATUS_OBJECT, call);               \
     } while (0)
 

@@ -235,6 +235,7 @@ mod tests {
         page.heading("\"part\"");
         page.subheading("within");
         page.paragraph("1 < 2");
+        page.paragraph("\u{202e}backwards");
         page.lines("srbf compare\n  --spp 1");
         page.table(&Table {
             caption: "of <numbers>".into(),
@@ -258,6 +259,7 @@ mod tests {
             "<h1>a &lt;b&gt; &amp; c</h1>",
             "<h2>&quot;part&quot;</h2>",
             "<p>1 &lt; 2</p>",
+            "<p>\\u{202e}backwards</p>",
             "<pre>srbf compare\n  --spp 1</pre>",
             "<caption>of &lt;numbers&gt;</caption>",
             "<th class=\"number\">error</th>",
