@@ -5,7 +5,8 @@ use rand_core::TryRng;
 use srbf_core::{Domain, Level, Lobe, Mixture};
 use std::convert::Infallible;
 
-/// The levels that a test runs at, slowest first: those of this machine, up to the one that the variable `SRBF_LEVEL` names.
+/// The levels that a test runs at, slowest first: those of this machine, up to the one that the variable `SRBF_LEVEL` names. With
+/// `SRBF_LEVEL_ALONE` that one alone, where the others have been tried.
 ///
 /// # Panics
 /// If the library has others than the standard library finds: no test passes at fewer.
@@ -14,7 +15,8 @@ pub fn levels() -> Vec<Level> {
     let cap = std::env::var("SRBF_LEVEL").map_or(Level::Avx512, |name| Level::from_name(&name).expect(&name));
     let wanted: Vec<Level> = Level::ALL.into_iter().filter(|&level| level <= cap && is_here(level)).collect();
     assert_eq!(levels, wanted, "left: levels of the library; right: those of this machine up to SRBF_LEVEL");
-    levels
+    let tried = if std::env::var_os("SRBF_LEVEL_ALONE").is_some() { levels.len() - 1 } else { 0 };
+    levels[tried..].to_vec()
 }
 
 #[cfg(target_arch = "x86_64")]
