@@ -30,13 +30,13 @@ const DRAWS: usize = 4096;
 const TESTS: usize = 200_000;
 
 /// Uniform numbers of a verb.
-fn numbers(random: &mut Random) -> Vec<Vec3> {
-    (0..DRAWS).map(|_| random.three().into()).collect()
+fn numbers(random: &mut Random, count: usize) -> Vec<Vec3> {
+    (0..count).map(|_| random.three().into()).collect()
 }
 
 /// Draws one by one.
 fn singles(random: &mut Random, sample: impl Fn([f32; 3]) -> Option<Sample>) -> Vec<Option<Sample>> {
-    numbers(random).into_iter().map(|u| sample(u.to_array())).collect()
+    numbers(random, DRAWS).into_iter().map(|u| sample(u.to_array())).collect()
 }
 
 /// Draws of one request.
@@ -90,8 +90,8 @@ fn request(
     ask: impl Fn(&[usize], [&[f32]; 3], Request<'_>) -> Result<(), Error>,
 ) {
     let subjects: Vec<usize> = (0..count).map(|_| random.below(wo.len())).collect();
-    let u: Vec<Vec3> = (0..count).map(|_| random.three().into()).collect();
-    let (u, wo) = (Soa::new(&u), Soa::new(&subjects.iter().map(|&subject| wo[subject]).collect::<Vec<_>>()));
+    let u = Soa::new(&numbers(random, count));
+    let wo = Soa::new(&subjects.iter().map(|&subject| wo[subject]).collect::<Vec<_>>());
     let (mut direction, mut weight, mut pdf) = (Soa::empty(count), Soa::empty(count), vec![f32::NAN; count]);
     let draw = Draws {
         u: u.slices(),
