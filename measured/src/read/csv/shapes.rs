@@ -215,3 +215,16 @@ fn by_column(text: &str, separator: char) -> Option<Made> {
     }
     Some(Made { columns, rows, angle_unit: above.angle_unit, notes, mirror })
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_name_begins_with_a_letter_and_is_short() {
+        let longest = "a".repeat(LONGEST);
+        assert_eq!(first(&format!(" \"{longest}\" ,1"), ','), Some(longest.as_str()));
+        assert_eq!(first(&format!("{longest}a,1"), ','), None);
+        assert_eq!(first("10,1", ','), None);
+    }
+}
