@@ -47,6 +47,7 @@ def register(name: str = "srbf", compiled: bool | None = None) -> None:
     if is_scalar and compiled and not scalar.is_built():
         raise RuntimeError("no plugin for this version of Mitsuba: `python -m srbf_brdf.scalar` compiles it")
     if is_scalar and compiled is not False and scalar.is_built():
+        scalar.open_plugin(mi)
         of_material = of_sheet = _compiled
     else:
         of_material = _scalar_class(mi) if is_scalar else _traced_class(mi)

@@ -93,13 +93,22 @@ def build() -> pathlib.Path:
     return kept
 
 
+def open_plugin(mi) -> None:
+    """Loads the plugin into Mitsuba, before a scene: while one is read, other threads look through the paths, which may not grow."""
+    resolver = mi.file_resolver()
+    resolver.append(str(HERE))
+    try:
+        kind = mi.PluginManager.instance().plugin_type(name())
+    finally:
+        del resolver[len(resolver) - 1]
+    if kind != mi.ObjectType.BSDF:
+        raise RuntimeError(f"{HERE / 'plugins' / name()}.so: a plugin of a BSDF is expected; `python -m srbf_brdf.scalar` compiles it")
+
+
 def load(mi, content, **parameters):
-    """The compiled BSDF of a material or a sheet, with its other parameters."""
+    """The compiled BSDF of a material or a sheet, with its other parameters; `open_plugin` has loaded the plugin."""
     from . import _native
 
-    resolver = mi.file_resolver()
-    if str(HERE) not in map(str, resolver):
-        resolver.append(str(HERE))
     with tempfile.TemporaryDirectory() as folder:
         # The file that was loaded may be packed.
         path = pathlib.Path(folder, "plain.srbf")

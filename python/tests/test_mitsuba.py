@@ -229,6 +229,16 @@ def test_pictures_have_no_warnings_and_an_albedo(capfd):
 
 
 @of_variant
+def test_a_load_leaves_the_paths_as_they_are():
+    """Other threads look through them while a scene is read."""
+    if not COMPILED:
+        pytest.skip("of the plugin")
+    paths = list(map(str, mi.file_resolver()))
+    scalar.load(mi, srbf.load(GARNET))
+    assert list(map(str, mi.file_resolver())) == paths
+
+
+@of_variant
 def test_many_lobes_make_no_longer_program(tmp_path):
     if VARIANT != "llvm_ad_rgb":
         pytest.skip("one traced variant is enough")
